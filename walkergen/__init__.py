@@ -29,7 +29,7 @@ __all__ = sorted(["__version__", *_HOMES, *_FUNCTIONS])
 
 class _Package(type(sys)):
     def __setattr__(self, name: str, value: object) -> None:
-        """Keep `wg.crowd` and `wg.track` the functions when the rooms of these names are imported."""
+        """Set an attribute. Functions such as `wg.crowd` stay when a module of the same name is imported."""
         if not (name in __all__ and isinstance(value, type(sys))):
             super().__setattr__(name, value)
 
@@ -38,7 +38,7 @@ sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> object:
-    """Load a name when it is first used, so that the import itself stays fast."""
+    """Import a public name when it is first used, so that the import of walkergen stays fast."""
     if name not in __all__:
         raise AttributeError(f"module 'walkergen' has no attribute {name!r}")
     from importlib import import_module
@@ -52,5 +52,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Return the names for completion in a notebook."""
+    """Return all names of the module, for completion in a notebook."""
     return sorted({*globals(), *__all__})

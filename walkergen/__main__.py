@@ -4,7 +4,7 @@ import os
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C while it is loaded ends it with the same exit code as later."""
+    """Run the command line. Ctrl-C during its import exits with the same code, 130, as later."""
     try:
         from walkergen import cli
 

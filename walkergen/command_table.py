@@ -76,13 +76,13 @@ COMMANDS = {
 
 
 def load_request(name: str) -> Any:
-    """Request of a command, a class of `walkergen.request.Request`."""
+    """Import and return the request class of a command, a subclass of `walkergen.request.Request`."""
     module = import_module(f"walkergen.{COMMANDS[name].folder}.request")
     return getattr(module, f"{name.capitalize()}Request")
 
 
 def split_docstring(request: type) -> tuple[str, str]:
-    """Return the text of a request's docstring, which its command shows, and the sections below it, for Python."""
+    """Split a request's docstring into its text, for the command's help, and its numpydoc sections."""
     text, *sections = re.split(r"\n\n(?=[A-Z][a-z]+\n---)", str(getdoc(request)))
     return text, "\n\n".join(sections)
 
@@ -91,19 +91,25 @@ KEY_PATTERN = re.compile(rf"{COMMAND_LINE_SOURCE}: ([\w.]+) = ")
 
 
 def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
-    """Return a text whose fields are flags; `names` are those that are not the field's name with dashes."""
+    """Replace fields such as ‹mm_per_px=› in a text by flags such as --mm-per-px.
 
-    def flag(found: re.Match[str]) -> str:
-        name, value = found.groups()
+    `names`: flags that are not the field's name with dashes, by field.
+    """
+
+    def replacement(match: re.Match[str]) -> str:
+        name, value = match.groups()
         if value == "=False":
             return f"--no-{name.replace('_', '-')}"
         return (names or {}).get(name, f"--{name.replace('_', '-')}") + (" " if value else "")
 
-    return FIELD_PATTERN.sub(flag, text.replace(COMMAND_LINE_SOURCE, COMMAND_LINE_SOURCE[1:-1]))
+    return FIELD_PATTERN.sub(replacement, text.replace(COMMAND_LINE_SOURCE, COMMAND_LINE_SOURCE[1:-1]))
 
 
 def for_call(text: str, sets: Mapping[str, str]) -> str:
-    """Return a text whose fields are Python's arguments; `sets` are the arguments of a call that set keys of files."""
+    """Replace fields such as ‹mm_per_px=› in a text by Python arguments.
+
+    `sets`: names of given arguments by the key that they set. In the text they replace the key.
+    """
     return spell_for_python(
         KEY_PATTERN.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text)
     )

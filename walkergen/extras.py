@@ -15,9 +15,9 @@ PACKAGES = {
 
 
 def require(extra: str, what: str) -> None:
-    """Raise InputError, with what to install, if a package of an extra is not installed.
+    """Raise InputError if a package of an optional extra is not installed, with the command to install it.
 
-    `what` is the feature that needs it, for the message.
+    `what`: feature that needs it, for the message.
     """
     packages = PACKAGES[extra].items()
     missing = [name for module, name in packages if importlib.util.find_spec(module) is None]

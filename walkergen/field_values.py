@@ -59,6 +59,7 @@ def parse_tilts(value: Any) -> list[float] | None:
 
 
 def _tilt_range(first: float, last: float, step: float) -> list[float]:
+    """Return tilts from first to last in steps, deg. Raises ValueError for a step of the wrong sign or size."""
     if step == 0 or (last - first) / step < 0:
         raise ValueError(f"step {step:g} does not lead from the first value to the last")
     count = (last - first) / step
@@ -69,12 +70,12 @@ def _tilt_range(first: float, last: float, step: float) -> list[float]:
 
 
 def parse_kinds(value: Any) -> list[Any] | None:
-    """Return kinds of legs without repetition."""
+    """Return kinds of legs from comma-separated text or a list, without repetition; None for None."""
     return None if value is None else list(dict.fromkeys(split_values(value)))
 
 
 def parse_settings(value: Any) -> dict[str, Any]:
-    """Return values by keys, parsed from texts KEY=VALUE. Raises InputError for a key with two values."""
+    """Return values by key from texts KEY=VALUE or a mapping. Raises InputError for a key with two values."""
     if isinstance(value, Mapping):
         return dict(value)
     settings: dict[str, Any] = {}
@@ -111,7 +112,7 @@ def parse_time(value: Any) -> float | None:
 
 
 def parse_effects(value: Any) -> float | None:
-    """Return a share of the speed. Text is a percentage: auto:1%."""
+    """Return a share of the speed, 0.01 for text "auto:1%"; other values are returned unchanged."""
     if not isinstance(value, str):
         return value  # type: ignore[no-any-return]
     share = formatting.parse_number(value.removeprefix("auto:").removesuffix("%"))
@@ -121,7 +122,7 @@ def parse_effects(value: Any) -> float | None:
 
 
 def parse_path(value: Any) -> Path | None:
-    """Return the path of a file to read."""
+    """Convert text to a Path; other values are returned unchanged."""
     return Path(value) if isinstance(value, (str, os.PathLike)) else value
 
 
@@ -136,7 +137,7 @@ def parse_target(value: Any) -> Path | None:
 
 
 def _check_writable(path: Path) -> None:
-    """Raise OutputError if no file can be created there. Requests check this before they start the work."""
+    """Raise OutputError if no file or folder can be created at a path."""
     from walkergen.core.files import output
 
     existing = next((each for each in (path, *path.parents) if os.path.lexists(each)), path)

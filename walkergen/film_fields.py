@@ -22,7 +22,7 @@ Measured = tuple[float, float | None] | None
 
 
 def parse_measured(entry: Any) -> Measured:
-    """Parse a number above 0, and its standard error if given: 0.05, "0.05±0.001", "0.05+-0.001"."""
+    """Return a number above 0 and its standard error, None if not given, from 0.05, "0.05±0.001" or "0.05+-0.001"."""
     if entry is None:
         return None
     value, *errors = map(formatting.parse_number, SIGN.split(str(entry)))
@@ -36,7 +36,7 @@ def parse_measured(entry: Any) -> Measured:
 
 
 def parse_paths(value: Any) -> list[Path]:
-    """Parse the paths of files, of one or of several. Raises ValueError for any other value."""
+    """Return one or several file names as a list of paths. Raises ValueError for other values."""
     paths = split_values(value) if not isinstance(value, (str, os.PathLike)) else [value]
     if not all(isinstance(path, (str, os.PathLike)) for path in paths):
         raise ValueError("must be names of files")
@@ -57,7 +57,7 @@ Unit = Annotated[
 
 
 def units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
-    """Return the units of the tracks of a film."""
+    """Return the units of a film's tracks, from the fields above. `lane`: True if walkers run in a lane."""
     from walkergen.analysis.track_files import Units
 
     scale, error = mm_per_px or (None, None)

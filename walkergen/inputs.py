@@ -41,9 +41,10 @@ class Inputs(NamedTuple):
     """True if a person can answer questions."""
 
     def design(self, source: Any) -> "Design":
-        """Return the walker: given directly, as a template's name, a file's path, a drawing, a mesh or a text.
+        """Return the walker of a source, with the request's values for its keys. Raises InputError.
 
-        A text needs a confirmation. Raises InputError.
+        `source`: a Design, a template's name, or a path of a TOML file, drawing or mesh. Other text becomes a body of
+        letters after the user has confirmed it.
         """
         from walkergen.core.files import assignments
         from walkergen.core.walker.design import Design
@@ -64,9 +65,10 @@ class Inputs(NamedTuple):
         return design
 
     def scene(self, source: Any, otherwise: Mapping[str, Any] | None = None) -> "Scene":
-        """Return the scene: given directly, as a template's name, or as a file's path. Raises InputError.
+        """Return the scene of a source, with the request's values for its keys. Raises InputError.
 
-        A job's own values for keys, `otherwise`, hold if nothing else sets them.
+        `source`: a Scene, a template's name or a file's path. `otherwise`: values by key, used for keys that the
+        request does not set.
         """
         from walkergen.core.scene import Scene
 
@@ -74,13 +76,13 @@ class Inputs(NamedTuple):
         return self._replace(values={**self.values, **own})._load_input(source, "scenes", Scene, "scene")
 
     def printer(self, source: Any) -> "Printer":
-        """Return the printer: given directly, as a template's name, or as a file's path. Raises InputError."""
+        """Return the printer of a source (Printer, template's name or path), with the request's values for its keys."""
         from walkergen.core.printing.printers import Printer
 
         return self._load_input(source, "printers", Printer, "printer")
 
     def printers(self, sources: Any) -> "list[Printer]":
-        """Return the printers of a comma-separated list, or a single one. Raises InputError for a repeated name."""
+        """Return printers of a comma-separated list of sources, or of one source. Raises InputError for equal names."""
         listed = [name.strip() for name in sources.split(",")] if isinstance(sources, str) else [sources]
         printers = [self.printer(source) for source in listed]
         names = [printer.name for printer in printers]
@@ -90,7 +92,10 @@ class Inputs(NamedTuple):
         return printers
 
     def _load_input(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
-        """Read what is of a kind, with the values of its keys."""
+        """Return a design, scene or printer (`thing`) with the request's values for its keys.
+
+        `folder`: kind of its templates, such as "walkers".
+        """
         from walkergen.core.files import assignments
         from walkergen.files import templates
 
@@ -109,11 +114,11 @@ class Inputs(NamedTuple):
         )
 
     def keys_of(self, thing: str) -> list[str]:
-        """Return the given keys of a design, a scene or a printer."""
+        """Return the keys that the request sets of a section: "design", "scene" or "printer"."""
         return [key for key in self.values if section_of(key) == thing]
 
     def single_member(self, source: Any, tilt: float | None, legs: "Kind | None") -> "Design":
-        """Return the walker of a tilt (deg) and a kind of legs, or with its own."""
+        """Return the source's walker with this tilt (deg) and kind of legs; None leaves them unchanged."""
         (member,) = self.members(
             self.design(source), None if tilt is None else [tilt], None if legs is None else [legs], whole=False
         )
@@ -122,7 +127,10 @@ class Inputs(NamedTuple):
     def members(
         self, design: "Design", tilts: Sequence[float] | None, kinds: "Sequence[Kind] | None", whole: bool
     ) -> "list[Design]":
-        """Return the variants of a design, kinds outermost. By default: its own or, if `whole`, its family's."""
+        """Return the variants of a design with these tilts (deg) and kinds of legs, kinds outermost.
+
+        None means the tilt or kind of the design or, if `whole`, those of its family.
+        """
         self._check_conflicts(tilts, kinds, whole)
         if not whole:
             tilts = [design.tilt_deg] if tilts is None else tilts
@@ -137,7 +145,10 @@ class Inputs(NamedTuple):
         copies: int | Mapping[float, int],
         whole: bool,
     ) -> "tuple[list[Design], list[int]]":
-        """Return the variants as `members` lists them, and the copies of each; copies by tilt name the tilts."""
+        """Return the variants of a design, as `members` does, and the number of copies of each.
+
+        `copies`: the same number for all, or numbers by tilt (deg), whose keys then are the tilts.
+        """
         if isinstance(copies, int):
             members = self.members(design, tilts, kinds, whole)
             return members, [copies] * len(members)
@@ -148,7 +159,7 @@ class Inputs(NamedTuple):
         return members, [copies[member.tilt_deg] for member in members]
 
     def _check_conflicts(self, tilts: Sequence[object] | None, kinds: Sequence[object] | None, whole: bool) -> None:
-        """Refuse keys that tilt and legs set too, and of a family those that it replaces."""
+        """Raise InputError for set keys that contradict the given tilts or kinds or, if `whole`, the family."""
         if whole:
             advice = "a family has the tilts of family.tilt_deg. Use ‹tilt=›12, or ‹set›"
             self.check_unset(TILTS, f"{advice} 'family.tilt_deg=[12]'")
@@ -162,16 +173,16 @@ class Inputs(NamedTuple):
                 self.check_unset(keys, f"‹{field}=›{','.join(map(str, values))} sets it too. Remove one of them.")
 
     def check_unset(self, keys: Sequence[str], why: str) -> None:
-        """Raise InputError for the first of some keys that is set."""
+        """Raise InputError for the first of these keys that the request sets. `why`: reason in the message."""
         for key in keys:
             if own := _setting_key(self.values, key):
                 raise InputError(f"{self.fields[own]}: {why}", key)
 
 
 def _confirm_text(text: str, asks: bool) -> None:
-    """Ask whether a text that names nothing is meant as letters.
+    """Ask the user whether an unknown name is meant as letters for the body.
 
-    Raises InputError if it is not, or if no person can answer.
+    Raises InputError if not, or if no user can answer. `asks`: True if the request comes from the command line.
     """
     import difflib
     import shlex
@@ -194,10 +205,10 @@ def _confirm_text(text: str, asks: bool) -> None:
 
 
 def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
-    """Return the values by keys, and by fields of their own, each a key's field and value.
+    """Merge the values that --set gives to keys with those that other fields of a request give.
 
-    `things` are those whose keys a job takes: some of design, scene, printer. Raises InputError for keys of others,
-    for a key with two values, and for one within another.
+    `settings`: values by key. `fields`: field name and value by key. `things`: sections whose keys the job accepts, of
+    design, scene, printer. Raises InputError for other keys, for a key set twice, and for one within another.
     """
     values = {key: value for key, (_, value) in fields.items()}
     names = {key: f"‹{field}=›{value}" for key, (field, value) in fields.items()}
@@ -221,12 +232,12 @@ def section_of(key: str) -> str:
 
 
 def _is_within(key: str, table: str) -> bool:
-    """Return whether a key is in a table, or in an entry of a list."""
+    """Return whether a dotted key lies within a table or a list."""
     return key.startswith((f"{table}.", f"{table}["))
 
 
 def _setting_key(values: Mapping[str, Any], key: str) -> str:
-    """Return the key that sets a key: itself, or a table given as a whole with the key; "" without one."""
+    """Return the key in `values` that sets `key`: itself, or a table that contains it; "" if it is not set."""
     for other, value in values.items():
         rest = key.removeprefix(f"{other}.")
         inside = isinstance(value, Mapping) and rest != key and rest in value
@@ -236,7 +247,7 @@ def _setting_key(values: Mapping[str, Any], key: str) -> str:
 
 
 def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, Weighings], list[str]]":
-    """Read the members' masses from a balance, by their names, and return notes on other walkers' rows."""
+    """Read weighed masses from a file. Return those of the members by name, and a note on rows of other walkers."""
     if path is None:
         return {}, []
     from walkergen.core.walker import weighed_masses
@@ -247,7 +258,7 @@ def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[s
 
 
 def add_caps(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
-    """Give walkers caps of the markers of --caps, if they have none yet."""
+    """Return the walkers with caps added to those without one; unchanged if `markers` is None."""
     from walkergen.core.files.assignments import replace_values
 
     if markers is None:
@@ -257,7 +268,7 @@ def add_caps(members: "Sequence[Design]", markers: str | None) -> "list[Design]"
 
 
 def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]:
-    """Return notes on mass forms that were not replaced, because a user has written in them."""
+    """Return a note for each form for masses in the folder that is kept because a user has filled it in."""
     from walkergen.core.walker import names, weighed_masses
 
     paths = [folder / weighed_masses.form_name(members, name) for name in names.group_by_design(members)]
@@ -266,9 +277,10 @@ def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]
 
 @contextmanager
 def open_pool(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
-    """Open workers for points; none by default if the points are so `few` that this process is faster.
+    """Open a pool of worker processes, or connect to a dask cluster at the address `dask`.
 
-    Raises InputError for a number of processes of a cluster, and for one that does not answer.
+    Yields None if `few` and no number of workers is given: this process is then faster. Raises InputError if `workers`
+    and `dask` are both given, or the cluster does not answer.
     """
     from walkergen.points import worker_pool
 

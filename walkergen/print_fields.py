@@ -14,7 +14,7 @@ MAX_COPIES = 5000
 
 
 def _parse_copies(value: Any) -> int | dict[float, int]:
-    """Parse the copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
+    """Return the number of copies of each walker (8), or numbers by tilt in deg ("10:20,15:40", {10: 20, 15: 40})."""
     if isinstance(value, Mapping):
         pairs = list(value.items())
     elif isinstance(value, str) and ":" in value:
@@ -31,6 +31,7 @@ def _parse_copies(value: Any) -> int | dict[float, int]:
 
 
 def _parse_count(value: Any) -> int:
+    """Return a number of copies from text or a number. Raises ValueError unless it is whole, 1 to MAX_COPIES."""
     plain = value.item() if hasattr(value, "item") else value
     count = columns.parse_count(plain, MAX_COPIES) if isinstance(plain, str) else plain
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_COPIES:

@@ -65,7 +65,7 @@ FILE_PLACEHOLDERS = {"walkers": ("DESIGN", "Walker"), "scenes": ("SCENE", "Groun
 
 
 def file_flag(kind: str, help: str, name: str = "", optional: bool = False, argument: bool = False) -> Flag:
-    """Return the flag of a walker, a scene or a printer. In Python an `optional` one may be None."""
+    """Return the flag of a field that names a walker, scene or printer; in Python it may be None if `optional`."""
     metavar, takes = FILE_PLACEHOLDERS[kind]
     return Flag(help, metavar, name, f"{takes} | None" if optional else takes, templates=(kind,), argument=argument)
 
@@ -96,7 +96,7 @@ class Request(BaseModel):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], shell: bool = False) -> Self:
-        """Return the request with these values, from the command line or from Python.
+        """Return the request with these values by field. `shell`: True if they come from the command line.
 
         Raises InputError with a line for each invalid value, under its flag or argument.
         """
@@ -110,12 +110,12 @@ class Request(BaseModel):
 
     @classmethod
     def to_flags(cls, text: str) -> str:
-        """Return a text in which fields are spelled as flags of the command."""
+        """Replace fields such as ‹mm_per_px=› in a text by flags of the command."""
         return for_shell(text, {field: flag_name(cls, field) for field in cls.model_fields})
 
     @classmethod
     def to_arguments(cls, text: str, given: Iterable[str] = ()) -> str:
-        """Return a text in which fields, and the keys that the given ones set, are spelled as Python arguments."""
+        """Replace fields in a text, and keys that the fields `given` set, by names of Python arguments."""
         return for_call(text, {key: name for name in given if (key := field_flag(cls, name).sets)})
 
     def run(self, progress: Progress) -> "Report | None":
@@ -128,7 +128,7 @@ class Request(BaseModel):
         return import_module(f"{type(self).__module__.rpartition('.')[0]}.make").run(self, progress)
 
     def output_folder(self, default: Path) -> Path | None:
-        """Return the folder to write to. Only the command line has a default one."""
+        """Return the folder to write to: the field `out`, or on the command line the default; None without one."""
         return getattr(self, "out", None) or (default if self._shell else None)
 
     def register_time_callback(self, expect: Expect) -> None:
@@ -136,9 +136,9 @@ class Request(BaseModel):
         self._expect = expect
 
     def inputs(self, more: Mapping[str, tuple[str, Any]] = MappingProxyType({})) -> inputs.Inputs:
-        """Return the values of all keys that fields and ‹set› give to the design, the scene and the printer.
+        """Return the values by key that the request's fields, and its field `set`, give to design, scene and printer.
 
-        `more` are further fields with their values, by keys.
+        `more`: further pairs (field name, value) by key.
         """
         fields = dict(more)
         for name in type(self).model_fields:
@@ -155,7 +155,7 @@ class Request(BaseModel):
         return self._notes
 
     def check_unset(self, problem: str, *fields: str) -> None:
-        """Raise InputError for the first of some fields that differs from its default."""
+        """Raise InputError with this problem for the first of the fields that differs from its default."""
         for name in fields:
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
@@ -164,12 +164,12 @@ class Request(BaseModel):
 
 
 def field_flag(request: type[Request], name: str) -> Flag:
-    """Return the flag of a field."""
+    """Return the `Flag` of a field of a request class."""
     return next(item for item in request.model_fields[name].metadata if isinstance(item, Flag))
 
 
 def field_help(request: type[Request], name: str) -> str:
-    """Return the help of a field, with the limits of a number, which the request itself checks."""
+    """Return the help text of a field of a request class, with the limits of a number."""
     text, metadata = field_flag(request, name).help, request.model_fields[name].metadata
     low, high = (
         next((formatting.format_number(getattr(item, bound), 6) for item in metadata if hasattr(item, bound)), "")
@@ -180,13 +180,13 @@ def field_help(request: type[Request], name: str) -> str:
 
 
 def flag_name(request: type[Request], name: str) -> str:
-    """Return the name of a field on the command line."""
+    """Return the flag that the command line has for a field, or the placeholder of an argument."""
     flag = field_flag(request, name)
     return flag.metavar.partition(".")[0] if flag.argument else flag.name or "--" + name.replace("_", "-")
 
 
 def _format_error(request: type[Request], error: Any) -> str:
-    """Format an error of pydantic: field, value, allowed values."""
+    """Format an entry of pydantic's errors: field, value, and the rule that the value breaks."""
     name, kind, value = str(error["loc"][0]), error["type"], error["input"]
     if kind == "value_error":
         rule = error["msg"].removeprefix("Value error, ").removeprefix(f"{value!r} ")
@@ -198,7 +198,7 @@ def _format_error(request: type[Request], error: Any) -> str:
 
 
 def choose_scene(scene: Any, designs: Sequence["Design"], usual: str = LANE_SCENE) -> Any:
-    """Return the given scene, or the template for these walkers: a table if one of them has a motor."""
+    """Return the given scene; for None TABLE_SCENE if a walker has a motor, else `usual`."""
     if scene is not None:
         return scene
     return TABLE_SCENE if any(design.motor is not None for design in designs) else usual

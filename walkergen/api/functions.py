@@ -41,11 +41,11 @@ WalkergenError
 
 @cache
 def make_function(name: str) -> Callable[..., Any]:
-    """Return the function of a command, made from its request."""
+    """Build the Python function of a command from its request class."""
     request, signature = load_request(name), make_signature(name)
 
-    def call(*given: Any, **named: Any) -> Any:
-        values = signature.bind(*given, **named).arguments
+    def call(*args: Any, **kwargs: Any) -> Any:
+        values = signature.bind(*args, **kwargs).arguments
         progress = values.pop("progress", None)
         from walkergen.core.files.progress import silent
 
@@ -62,7 +62,7 @@ def make_function(name: str) -> Callable[..., Any]:
 
 
 def make_docstring(name: str) -> str:
-    """Return the numpydoc docstring of a function, made of its request, its fields and its reports."""
+    """Return the numpydoc docstring of a command's function, made from its request class, fields and reports."""
     request = load_request(name)
     text, notes = split_docstring(request)
     sections = {
@@ -75,7 +75,7 @@ def make_docstring(name: str) -> str:
 
 
 def _describe_parameter(request: "type[Request]", parameter: Parameter) -> str:
-    """Return a parameter's name, type and default, and the help of its field."""
+    """Return the numpydoc entry of a parameter: name, type and default, and the help of the request's field."""
     from walkergen.request import field_help
 
     name, kind = parameter.name, str(parameter.annotation)
@@ -89,7 +89,7 @@ def _describe_parameter(request: "type[Request]", parameter: Parameter) -> str:
 
 
 def _name_arguments(request: "type[Request]", text: str) -> str:
-    """Return a text with arguments of Python in place of the flags of a command; code in backquotes stays."""
+    """Replace the flags of a command in a text by the arguments of its Python function, except in backquotes."""
     from walkergen.request import flag_name
 
     arguments = {flag_name(request, field): f"`{field}`" for field in request.model_fields}
@@ -103,7 +103,7 @@ def first_paragraph(thing: Any) -> str:
 
 
 def make_signature(name: str) -> Signature:
-    """Return the signature of a function: positional arguments, then keyword arguments, with types for editors."""
+    """Return the signature of a command's Python function: the fields of its request, then `progress`."""
     request = load_request(name)
     fields = request.model_fields
     first = [field for field in request.by_position if field in fields]
@@ -119,7 +119,7 @@ def make_signature(name: str) -> Signature:
 
 
 def _field_type(request: "type[Request]", field: str) -> str:
-    """Return the type of a field's argument in Python."""
+    """Return the type, as text, of the Python argument for a field of a request class."""
     from walkergen.request import field_flag
 
     return field_flag(request, field).takes or _format_type(request.model_fields[field].annotation)
@@ -135,7 +135,7 @@ def _format_type(kind: Any) -> str:
 
 
 def report_classes(name: str) -> list[type]:
-    """Return the classes of the reports of a function, which the module of its request imports for its types."""
+    """Return the classes of reports that a command's function may return, from the annotation of its request."""
     request = load_request(name)
     tree = ast.parse(Path(str(getsourcefile(request))).read_text(encoding="utf-8"))
     modules = {

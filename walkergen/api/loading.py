@@ -95,7 +95,7 @@ def templates() -> Table:
 
 
 def _find_kind(name: str | Path) -> str:
-    """Return the kind of a template by its name, or of a file by its keys. Raises InputError."""
+    """Return "walker", "scene" or "printer" for a template's name or, from its keys, a file. Raises InputError."""
     if isinstance(name, Path) or shipped.is_path(name):
         kinds = _kinds_by_keys(Path(name))
     else:
@@ -109,7 +109,7 @@ def _find_kind(name: str | Path) -> str:
 
 
 def _kinds_by_keys(path: Path) -> list[str]:
-    """Return the kinds of files that share the most keys with a file. Raises InputError."""
+    """Return the kinds ("walker", ...) that have the most of a TOML file's keys. Raises InputError."""
     if Design.data_from_file(path) is not None:
         return ["walker"]
     data, _ = config.read_toml(path)
@@ -117,13 +117,13 @@ def _kinds_by_keys(path: Path) -> list[str]:
     counts = dict.fromkeys(KINDS, 0)
     for key in keys:
         for kind, (_, model) in KINDS.items():
-            own = key[0] == "walker" if kind == "walker" else False  # a table that becomes [body]
-            counts[kind] += own or not config.describe_unknown_key(key, model)
+            is_body = key[0] == "walker" if kind == "walker" else False  # a table that becomes [body]
+            counts[kind] += is_body or not config.describe_unknown_key(key, model)
     return [kind for kind, count in counts.items() if count == max(counts.values())]
 
 
 def _key_paths(data: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Yield the paths of all keys in tables and nested tables."""
+    """Yield the paths, as tuples of keys, of all keys in nested tables. `before`: path of the table `data`."""
     for key, value in data.items():
         yield (*before, key)
         if isinstance(value, Mapping):

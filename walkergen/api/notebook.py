@@ -10,9 +10,9 @@ from walkergen.files import viewer
 
 
 def html(design: Design) -> str:
-    """Return a frame with the walker, and a table of its sizes and masses below it.
+    """Return HTML with a 3D view of the walker, and a table of its properties below it.
 
-    For a walker that cannot be built, or cannot stand, it shows the reason instead.
+    For a walker that cannot be built, or cannot stand, the table has the reason.
     """
     rows, shown = list(_rows(design)), ""
     try:
@@ -27,6 +27,7 @@ def html(design: Design) -> str:
 
 
 def _rows(design: Design) -> Iterator[tuple[str, str]]:
+    """Yield the walker's properties: name with unit, and value."""
     size, legs = design.size, len(design.limbs)
     yield "walker", design.name
     if design.description:

@@ -43,10 +43,10 @@ Result = TypeVar("Result")
 
 
 async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
-    """Run a module's main; it receives `sent` as a line of JSON.
+    """Run a module's main in a child process, and yield the events that it prints, each a line of JSON.
 
-    Yields its events, each a line of JSON on its standard output, and after a failure {"refused": lines}.
-    Closing the iterator, or cancelling its task, ends the child.
+    The child receives `sent` as a line of JSON. After a failure the last event is {"refused": lines}.
+    `running`: tasks of this server. Closing the iterator, or cancelling its task, ends the child.
     """
     task = asyncio.current_task()
     assert task is not None
@@ -67,6 +67,7 @@ async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[
 
 
 async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
+    """Run a module's main in a child process and yield its events, as `run_module` does, without limit."""
     try:
         child = await asyncio.create_subprocess_exec(
             sys.executable,
@@ -92,40 +93,40 @@ async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
         async for line in child.stdout:
             yield json.loads(line)
         code = await child.wait()
-        said = (await errors).decode(errors="replace").splitlines()
+        printed = (await errors).decode(errors="replace").splitlines()
     finally:
         errors.cancel()
         await _stop_child(child)
     if code:
-        yield {"refused": _error_lines(said, code)}
+        yield {"refused": _error_lines(printed, code)}
 
 
-def _error_lines(said: Sequence[str], code: int) -> list[str]:
-    """Return the error lines of a failed child."""
-    lines = [sentences.to_plain_text(line.removeprefix("error: ")) for line in said if line.startswith("error: ")]
-    return lines or [*said[-1:], f"the command ended with exit code {code}"]
+def _error_lines(printed: Sequence[str], code: int) -> list[str]:
+    """Return the error messages in the lines that a failed child printed on standard error. `code`: exit code."""
+    lines = [sentences.to_plain_text(line.removeprefix("error: ")) for line in printed if line.startswith("error: ")]
+    return lines or [*printed[-1:], f"the command ended with exit code {code}"]
 
 
 def send_event(event: Event, stream: Any = None) -> None:
-    """Send an event of this child to its server, through a stream or standard output."""
+    """Send an event from this child to its server: print it to a stream, by default standard output."""
     print(json.dumps(event), file=stream, flush=True)
 
 
-def teller(stream: Any = None) -> Progress:
-    """Return a progress callback that sends events at limited frequency."""
-    said = 0.0
+def progress_sender(stream: Any = None) -> Progress:
+    """Return a progress callback that sends events to the server, at least PAUSE_S apart."""
+    sent_at = 0.0
 
-    def tell(what: str, done: int, total: int) -> None:
-        nonlocal said
-        if time.monotonic() - said > PAUSE_S:
-            said = time.monotonic()
+    def send_progress(what: str, done: int, total: int) -> None:
+        nonlocal sent_at
+        if time.monotonic() - sent_at > PAUSE_S:
+            sent_at = time.monotonic()
             send_event({"progress": [what, done, total]}, stream)
 
-    return tell
+    return send_progress
 
 
 async def _stop_child(child: asyncio.subprocess.Process) -> None:
-    """End a child that may still run, and its workers. Ctrl-C comes first: it leaves no file half written."""
+    """End a child and its workers, first by SIGINT, so that no file is left half written, then by SIGKILL."""
     try:
         _send_signal(child, "SIGINT")
         with contextlib.suppress(TimeoutError):
@@ -136,7 +137,7 @@ async def _stop_child(child: asyncio.subprocess.Process) -> None:
 
 
 def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
-    """Send a signal to a child and its descendants. Windows can only end them."""
+    """Send the named signal to a child and its descendants. On Windows, end the child instead."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):
             os.killpg(child.pid, getattr(signal, name))
@@ -145,9 +146,9 @@ def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
 
 
 async def run_until_disconnect(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
-    """Run work and return its result; None if the page is closed or the server ends.
+    """Await work and return its result; cancel it and return None if the page is closed or the server ends.
 
-    `receive` returns an ASGI message when a page is closed.
+    `receive`: ASGI function that waits for messages, such as that a page was closed.
     """
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_wait_for_disconnect(receive))
     try:
@@ -173,13 +174,13 @@ async def stop_all(running: Running) -> None:
 
 
 def receive_and_watch() -> Any:
-    """Return the server's input to this child, and from then on end the child when the server ends.
+    """Return the JSON value that the server sent to this child. Start a thread that ends the child with the server.
 
-    The pipe closes with the process that holds it, in any state of the child.
+    The thread waits until standard input is closed, as happens when the server ends in any way.
     """
     sent = json.loads(sys.stdin.buffer.readline() or b"null")
 
-    def watch() -> None:
+    def exit_with_server() -> None:
         while os.read(sys.stdin.fileno(), 4096):
             pass
         if hasattr(os, "killpg"):
@@ -188,5 +189,5 @@ def receive_and_watch() -> Any:
             os.killpg(0, signal.SIGKILL)
         os._exit(1)
 
-    threading.Thread(target=watch, daemon=True).start()
+    threading.Thread(target=exit_with_server, daemon=True).start()
     return sent

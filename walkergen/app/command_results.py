@@ -20,12 +20,12 @@ MAX_PICTURE_BYTES = 10_000_000
 
 
 def explain_arguments(document: Document, folder: Path) -> list[str]:
-    """Return the words after `walkergen` that measure each effect, and draw it below `folder`. Raises InputError."""
+    """Return command-line arguments that measure each effect, with a figure below `folder`. Raises InputError."""
     return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
 
 
 def read_picture(document: Document, folder: Path) -> dict[str, str]:
-    """Return the picture as a data address. Raises InputError if there is none."""
+    """Return the figure of the effects below `folder` as a data URL. Raises InputError if there is none."""
     path = _folder(document, folder) / "explain.png"
     try:
         data = path.read_bytes()[:MAX_PICTURE_BYTES]
@@ -35,6 +35,7 @@ def read_picture(document: Document, folder: Path) -> dict[str, str]:
 
 
 def _folder(document: Document, folder: Path) -> Path:
+    """Return the folder below `folder` for results of the page's walker."""
     return folder / walker_answers.part_name(document)
 
 
@@ -45,18 +46,23 @@ TRACK_COLUMNS = ("t_s", "particle", "x_mm", "y_mm", "theta_rad")
 
 
 def crowd_arguments(document: Document, folder: Path) -> list[str]:
-    """Return the words after `walkergen` that simulate them, and write their tracks below `folder`.
+    """Return command-line arguments that simulate ten walkers in a dish, with their tracks below `folder`.
 
-    They run on an open plate, those with a motor on a table. Raises InputError.
+    The scene is an open plate, or a table for walkers with a motor. Raises InputError.
     """
-    own = {key: value for key, value in document.values.items() if not key.startswith("scene.")}
-    free = document._replace(scene=choose_scene(None, [document.load_design()], PLANE_SCENE), values=own)
+    walker_values = {key: value for key, value in document.values.items() if not key.startswith("scene.")}
+    scene = choose_scene(None, [document.load_design()], PLANE_SCENE)
+    changed = document._replace(scene=scene, values=walker_values)
     run = f"--count {WALKER_COUNT} --seconds {RUN_S:g} --runs 1 --arena disc:{DISH_DIAMETER_MM:g} --no-pictures".split()
-    return documents.arguments(free, "crowd", *run, "--json", "--out", str(_folder(document, folder)))
+    return documents.arguments(changed, "crowd", *run, "--json", "--out", str(_folder(document, folder)))
 
 
 def read_playback(document: Document, folder: Path) -> dict[str, Any]:
-    """Read the outline of a walker from above and the poses of all, (x, y) mm and heading, by times in s."""
+    """Read the result of `crowd_arguments` for playback, as JSON values.
+
+    Keys: `radius` of the dish (mm), `outline` of a walker from above (mm), `times` (s), and `frames`, a list of poses
+    (x mm, y mm, heading rad) of all walkers for each time.
+    """
     path = _folder(document, folder) / "tracks" / "run-0.csv"
     table = columns.read_numbers(path, TRACK_COLUMNS)
     rows = np.column_stack([table.values[key] for key in TRACK_COLUMNS])

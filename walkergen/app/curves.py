@@ -26,11 +26,10 @@ Curve = dict[str, list[float | None]]
 
 
 def speed_curve(document: Document, rough: bool) -> Curve | None:
-    """Predict speed against tilt, as the figure of a family draws it, as far as it can be built.
+    """Predict the walker's speed (mm/s) and its bounds against tilt (deg), for all tilts at which it can be built.
 
-    `rough` takes fewer points. Speeds are None at tilts that need a run. The curve is None if legs share no tilt or no
-    other tilt can be built. It does not depend on the walker's own tilt, so dragging that needs no new curve. Raises
-    InputError.
+    `rough`: True for fewer points. Speeds are None at tilts that need a simulation. The curve is None if the legs share
+    no tilt, or no other tilt can be built. It does not depend on the walker's own tilt. Raises InputError.
     """
     design, scene = document.load_design(), document.load_scene()
     if not design.follows:
@@ -41,20 +40,23 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
         return design.unmarked.variant(tilt_deg=tilt_deg)
 
     low = nearest(with_tilt, design.tilt_deg, -far if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
-    things = (design.unmarked.variant(tilt_deg=low), scene)
-    own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
+    sections = (design.unmarked.variant(tilt_deg=low), scene)
+    walker, ground = (section.model_dump_json(exclude_unset=True) for section in sections)
     high = nearest(with_tilt, design.tilt_deg, far, TILT_TOLERANCE_DEG)
-    return _compute_curve(own, ground, design.body.key, low, high, rough) if low < high else None
+    return _compute_curve(walker, ground, design.body.key, low, high, rough) if low < high else None
 
 
 def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:
-    """Return the curve in a table. A bare None would mean that the page has gone."""
+    """Return the speed curve under the key "curve", since an answer of None alone means a closed page."""
     return {"curve": speed_curve(document, rough)}
 
 
 @lru_cache(maxsize=MAX_CACHED_CURVES)
 def _compute_curve(design: str, scene: str, body: str, low: float, high: float, rough: bool) -> Curve | None:
-    """Compute the curve of a design and a scene from their JSON; `body` identifies the contents of its files."""
+    """Compute the speed curve from tilt `low` to `high` (deg) of a design and a scene, both as JSON.
+
+    `body`: hash of the body's files, for the cache only. `rough`: True for fewer points.
+    """
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
     count = (
         ROUGH_POINTS if rough else prediction.CURVE_POINTS if walker.body.plain and not walker.parts else JOINED_POINTS

@@ -119,7 +119,7 @@ class Document(NamedTuple):
         return self._load_section(self.printer, "printers", Printer, "printer.")
 
     def prefixed_values(self, prefix: str) -> dict[str, Any]:
-        """Return values of a scene or a printer by its own keys; for "" those of the walker."""
+        """Return the values whose keys begin with `prefix`, without it: "scene.", "printer." or "" for the walker."""
         others = ("scene.", "printer.")
         return {
             key.removeprefix(prefix): value
@@ -128,6 +128,7 @@ class Document(NamedTuple):
         }
 
     def _load_section(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
+        """Load the template or file `name` of a kind ("walkers", ...) with the page's values under `prefix`."""
         own = self.prefixed_values(prefix)
         if name in _template_names(kind):
             read: Model = _load_template(name, kind, model, json.dumps(own), prefix)
@@ -143,9 +144,9 @@ def _template_names(kind: str) -> frozenset[str]:
 
 @lru_cache(maxsize=MAX_CACHED_TEMPLATES)
 def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
-    """Load a template with changed values, given as JSON. The cache serves the several requests for each document.
+    """Load a template with the changed values `own`, by key, given as JSON so that calls can be cached.
 
-    A cached template names no file that changes: files of a page are named by their contents.
+    Values cannot name a file that changes: files of a page are named by their contents.
     """
     settings, data = _load_defaults(name, kind, model)
     changed: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
@@ -154,12 +155,12 @@ def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: s
 
 @cache
 def _load_defaults(name: str, kind: str, model: type[Model]) -> tuple[Model, dict[str, Any]]:
-    """Load a template and the data in its file."""
+    """Load a template. Return its contents, validated, and the data of its file."""
     return assignments.read_with_data(templates.resolve_path(name, kind), model, {})
 
 
-def from_message(data: Any, place: PageFiles) -> Document:
-    """Read the document that a page sends.
+def from_message(data: Any, files: PageFiles) -> Document:
+    """Validate the document that a page sends, parsed from JSON. `files`: files that it may name.
 
     Raises InputError for invalid documents, and for files that were not dropped onto a page.
     """
@@ -167,9 +168,9 @@ def from_message(data: Any, place: PageFiles) -> Document:
         raise InputError(f"{SOURCE}: document: must be a table")
     message = config.validate(data, Message, SOURCE)
     for kind, name in (("walkers", message.walker), ("scenes", message.scene), ("printers", message.printer)):
-        if name not in _template_names(kind) and not (kind == "walkers" and name == place.own):
+        if name not in _template_names(kind) and not (kind == "walkers" and name == files.own):
             raise InputError(f"{SOURCE}: {name[:60]!r} is not one of the {kind} of this page")
-    values = _resolve_files("values", message.values, place.uploads)
+    values = _resolve_files("values", message.values, files.uploads)
     return Document(message.walker, message.scene, message.printer, values)
 
 
@@ -187,9 +188,9 @@ def parse_message(data: bytes) -> dict[str, Any]:
 
 
 def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
-    """Return the value of a key with the paths of dropped files; other files are refused.
+    """Return the value of a key, with names of files dropped onto the page replaced by their paths in `uploads`.
 
-    Raises InputError for other files, and for values that TOML does not have.
+    Tables and lists are converted recursively. Raises InputError for other files, and for values that TOML lacks.
     """
     if isinstance(value, dict):
         return {_check_text(inner): _resolve_files(inner, own, uploads) for inner, own in value.items()}
@@ -211,25 +212,24 @@ def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
 
 
 def _check_text(text: str) -> str:
-    """Return a text of complete characters. Raises InputError for lone surrogates, which JSON allows."""
+    """Return the text unchanged. Raises InputError if it contains lone surrogates, which JSON allows."""
     if LONE_SURROGATE.search(text):
         raise InputError(f"{SOURCE}: {text[:60]!r}: contains half a character. Enter it again.")
     return text
 
 
 def arguments(document: Document, command: str, *options: str) -> list[str]:
-    """Return the words after `walkergen` of the command for a page's walker.
+    """Return the command-line arguments of a command of walkergen for a page's document, with further options.
 
-    The flags that choose one walker of a family give the tilt and the kind of legs; `sweep` has
-    no such flags. Raises InputError, as `Document.design` does, and for a value that is too long
-    for a command line.
+    Tilt and kind of legs are given by flags, except for `sweep`, which has none. Raises InputError for an invalid
+    document, and for a value that is too long for a command line.
     """
     flags = [] if command == "sweep" else _family_flags(document.load_design())
-    words, things = [command, document.walker], COMMAND_PREFIXES[command]
-    words += ["--scene", document.scene] if "scene." in things else []
-    words += ["--printer", document.printer] if "printer." in things else []
+    words, prefixes = [command, document.walker], COMMAND_PREFIXES[command]
+    words += ["--scene", document.scene] if "scene." in prefixes else []
+    words += ["--printer", document.printer] if "printer." in prefixes else []
     dropped = FLAG_KEYS if flags else ()
-    for prefix in ("", *things):
+    for prefix in ("", *prefixes):
         for key, value in document.prefixed_values(prefix).items():
             if prefix or key not in dropped:
                 setting = f"{prefix}{key}={format_value(value)}"
@@ -244,7 +244,7 @@ def tilt_key(design: Design) -> str | None:
 
 
 def _family_flags(design: Design) -> list[str]:
-    """List the flags that choose this walker from the family of its design."""
+    """Return the flags for the walker's tilt and kind of legs, as far as its legs share them."""
     tilt = ["--tilt", format_tilt(design.tilt_deg)] if design.follows else []
     return [*tilt, "--legs", design.kind] if design.pair else tilt
 
@@ -257,7 +257,7 @@ def format_value(value: Any) -> str:
 
 
 def _format_toml(value: Any) -> Iterator[str]:
-    """Yield the inline TOML of a JSON value, in pieces."""
+    """Yield the pieces of a JSON value in inline TOML."""
     if isinstance(value, Mapping):
         pairs = (f"{_format_key(key)} = {''.join(_format_toml(own))}" for key, own in value.items())
         yield "{" + ", ".join(pairs) + "}"
@@ -268,16 +268,17 @@ def _format_toml(value: Any) -> Iterator[str]:
 
 
 def _format_key(key: str) -> str:
+    """Return a key in TOML, quoted if necessary."""
     return key if BARE_KEY.fullmatch(key) else _quote(key)
 
 
 def _quote(value: Any) -> str:
-    """Return the TOML of a text, a number or a Boolean; JSON's escapes are valid, but TOML also escapes DEL."""
+    """Return a text, a number or a Boolean in TOML: as in JSON, with DEL escaped too."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def shell_command(words: Sequence[str]) -> str:
-    """Return the shell command line that runs walkergen with these words."""
+    """Return the shell command that runs walkergen with these arguments."""
     return shlex.join(["walkergen", *words])
 
 

@@ -47,7 +47,7 @@ class FileChoice(NamedTuple):
 
 
 def parse_choice(what: Any, copies: Any) -> FileChoice:
-    """Return the choice that a page sent. Raises InputError for unknown files and numbers."""
+    """Validate a page's choice of files and number of copies. Raises InputError."""
     if not isinstance(what, str) or what not in FORMATS:
         raise InputError(f"{documents.SOURCE}: what: must be one of {', '.join(FORMATS)}")
     if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MAX_PARTS:
@@ -56,7 +56,7 @@ def parse_choice(what: Any, copies: Any) -> FileChoice:
 
 
 def file_commands(document: Document, choice: FileChoice, folder: Path) -> list[list[str]]:
-    """Return the words after `walkergen` of the commands that make the files, in order. Raises InputError."""
+    """Return the command-line arguments of each command that makes the chosen files, in order. Raises InputError."""
     target = target_folder(document, folder)
     out = ("--out", str(target))
     commands = {
@@ -69,15 +69,15 @@ def file_commands(document: Document, choice: FileChoice, folder: Path) -> list[
 
 
 def target_folder(document: Document, folder: Path) -> Path:
-    """Return the folder below `folder` for the files of a document. Raises InputError for an invalid walker."""
+    """Return the folder, below `folder`, of one document's files. Raises InputError for an invalid document."""
     digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
     return folder / f"{walker_answers.part_name(document)}-{digest}"
 
 
 def collect_files(document: Document, choice: FileChoice, folder: Path) -> tuple[str, bytes, list[list[str]]]:
-    """Return the name and contents of a file, or of an archive of several, and the commands that made them.
+    """Return name and contents of the chosen file, or of a zip archive of several, and the commands that made them.
 
-    Raises InputError if they have not run, OutputError for settings that cannot be written.
+    Raises InputError if these commands have not run, OutputError for settings that cannot be written.
     """
     commands, target = file_commands(document, choice, folder), target_folder(document, folder)
     if choice.what in ("toml", "zip"):
@@ -93,7 +93,7 @@ def collect_files(document: Document, choice: FileChoice, folder: Path) -> tuple
 
 
 def _zip_files(folder: Path, paths: list[Path]) -> bytes:
-    """Return a zip archive of files that depends only on their bytes."""
+    """Return a zip archive of files below `folder`. It contains no dates, so equal files give equal archives."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in paths:
@@ -103,7 +103,7 @@ def _zip_files(folder: Path, paths: list[Path]) -> bytes:
 
 
 def _write_settings(document: Document, folder: Path) -> None:
-    """Write walker, scene and printer as TOML files, and the body's file in the same folder."""
+    """Write walker, scene and printer as TOML files into settings/ below `folder`, with the file of the body."""
     design = document.load_design().with_numbered_legs()
     alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
     alone |= {"legs": [design.kind]} if design.pair else {}
@@ -116,20 +116,21 @@ def _write_settings(document: Document, folder: Path) -> None:
                 target.write(f"settings/{Path(name).name}", data)
                 body = design.body.model_copy(update={key: Path(name).name})
                 design = design.model_copy(update={"body": body})
-        things: dict[str, Section] = {
+        sections: dict[str, Section] = {
             "walker": design,
             "scene": document.load_scene(),
             "printer": document.load_printer(),
         }
-        for name, thing in things.items():
-            text = templates.to_toml(thing, f"The {name} of {design.name}, from its page", every=False)
+        for name, section in sections.items():
+            text = templates.to_toml(section, f"The {name} of {design.name}, from its page", every=False)
             target.write(f"settings/{name}.toml", text.encode())
 
 
 def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
-    """Return the words after `walkergen` of a sweep of tilts that lists those nearest to a target speed first.
+    """Return command-line arguments of a sweep of tilts that searches for a speed (mm/s).
 
-    Raises InputError for values that are not numbers, and for a walker whose legs have no common tilt.
+    Its table begins with the nearest speeds. Its files go to `folder`. Raises InputError if `speed` is no number, and
+    for a walker whose legs have no common tilt.
     """
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError(f"{documents.SOURCE}: speed: must be a number")
@@ -139,6 +140,6 @@ def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
         raise InputError(f"{documents.SOURCE}: {design.name}: its legs have no common tilt to search")
     words = SWEEP_OPTIONS[key]
     varied = {word.partition("=")[0] for word in words}
-    free = document._replace(values={name: own for name, own in document.values.items() if name not in varied})
+    fixed = document._replace(values={name: own for name, own in document.values.items() if name not in varied})
     words += ("--keep", "speed,spread,printability", f"--wish={speed!r}")
-    return documents.arguments(free, "sweep", *words, "--no-pictures", "--json", "--out", str(folder))
+    return documents.arguments(fixed, "sweep", *words, "--no-pictures", "--json", "--out", str(folder))

@@ -78,9 +78,9 @@ class Group(NamedTuple):
 
 
 def groups(document: Document) -> list[Group]:
-    """Return the tables of the walker, the scene and the printer of a page, with a control for each key.
+    """Return groups of controls, one for each table of the walker, the scene and the printer of a page.
 
-    The tilt comes first because it has the largest influence. Raises InputError for an invalid
+    The tilt has its own group, the first, because it has the largest influence. Raises InputError for an invalid
     document.
     """
     design = document.load_design()
@@ -103,7 +103,7 @@ def groups(document: Document) -> list[Group]:
 
 
 def to_dict(document: Document) -> dict[str, Any]:
-    """Return all data of a page's form. Raises InputError for an invalid document."""
+    """Return all data of a page's form as JSON values. Raises InputError for an invalid document."""
     tables = [
         {"title": group.title, "controls": [control._asdict() for control in group.controls]}
         | {"absent": group.absent, "optional": group.optional}
@@ -113,7 +113,10 @@ def to_dict(document: Document) -> dict[str, Any]:
 
 
 def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
-    """Yield the group of a table, after those of the tables in it."""
+    """Yield the groups of the tables in `section`, then the group of its own keys.
+
+    `prefix`: beginning of its dotted keys, such as "scene.". `title`: heading of its group.
+    """
     own, inner, absent = [], [], []
     idle = section.idle if isinstance(section, Body) else ()
     for name, field in type(section).model_fields.items():
@@ -132,8 +135,8 @@ def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
         else:
             control = _control(f"{prefix}{name}", field, value, _key_docs(type(section)).get(name, ""))
             own += [control] if control else []
-    for entry, place, heading, key in inner:
-        for group in _table_groups(entry, place, heading.replace("_", " ")):
+    for entry, inner_prefix, heading, key in inner:
+        for group in _table_groups(entry, inner_prefix, heading.replace("_", " ")):
             yield group._replace(optional=key) if key else group
     yield from absent
     if own:
@@ -141,14 +144,14 @@ def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
 
 
 def _optional_table(field: Any) -> type[Section] | None:
-    """Return the class of an optional table; None for other keys."""
+    """Return the class of an optional table from a pydantic field; None for other fields."""
     types, _ = _types_and_limits(field)
     tables = [each for each in types if isinstance(each, type) and issubclass(each, Section)]
     return tables[0] if tables and type(None) in types else None
 
 
 def _minimal_table(table: type[Section]) -> dict[str, Any]:
-    """Return an initial table: empty or, if that is invalid, with one choice that makes it valid."""
+    """Return valid values for a new table: none or, if a key is required, one key with its first choice."""
     choices = (
         {name: get_args(each)[0]}
         for name, field in table.model_fields.items()
@@ -165,7 +168,10 @@ def _minimal_table(table: type[Section]) -> dict[str, Any]:
 
 
 def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
-    """Return the control of a key by its type; None for a key that only files can hold."""
+    """Return the control for a key, from its pydantic field, value and help text `note`.
+
+    None if no control can show its type.
+    """
     name, unit = _split_unit(key.rpartition(".")[2])
     types, metadata = _types_and_limits(field)
     choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
@@ -186,7 +192,7 @@ def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
 
 
 def _split_unit(name: str) -> tuple[str, str]:
-    """Split a key into its name in words and its unit."""
+    """Split a key such as length_mm into its name in words and its unit."""
     for ending in sorted(UNITS, key=len, reverse=True):
         if name.endswith(f"_{ending}"):
             return name.removesuffix(f"_{ending}").replace("_", " "), UNITS[ending]
@@ -194,7 +200,7 @@ def _split_unit(name: str) -> tuple[str, str]:
 
 
 def _types_and_limits(field: Any) -> tuple[list[Any], list[Any]]:
-    """Return the allowed types of a key, and their limits, from unions and annotations."""
+    """Return all types in a pydantic field's annotation, and its metadata, such as limits (Ge, Le)."""
     types, metadata, rest = [], list(field.metadata), [field.annotation]
     while rest:
         each = rest.pop()
@@ -206,18 +212,21 @@ def _types_and_limits(field: Any) -> tuple[list[Any], list[Any]]:
 
 
 def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
-    """Return the limit of a number with one of these names."""
+    """Return the first limit with one of these names ("ge", "lt", ...) in a field's metadata; None without one."""
     limits = [getattr(item, name, None) for item in metadata for name in names]
     return next((float(limit) for limit in limits if limit is not None), None)
 
 
 def _slider_range(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
-    """Return the range of a slider. It surrounds the value if the key's own range is too wide to move in."""
+    """Return the range of a slider for a key with limits `low` and `high`; None without limits or value.
+
+    If the limits are too far apart for a slider, the range depends on the value.
+    """
     if low is None or high is None or value is None:
         return None
     if low < 0.0:
-        reach = max(-low, high) if high - low <= MAX_FULL_RANGE else _round_up(SLIDER_FACTOR * max(abs(value), 1.0))
-        return max(low, -reach), min(high, reach)
+        most = max(-low, high) if high - low <= MAX_FULL_RANGE else _round_up(SLIDER_FACTOR * max(abs(value), 1.0))
+        return max(low, -most), min(high, most)
     top = min(high, _round_up(SLIDER_FACTOR * value) if value > 0.0 else 10.0)
     return max(low, 0.01 * top) if low else 0.0, top
 
@@ -230,7 +239,7 @@ def _round_up(value: float) -> float:
 
 @cache
 def _key_docs(table: type[Section]) -> Mapping[str, str]:
-    """Return the text below each key of a table, and of those that it extends, a sentence or two each."""
+    """Return the docstring below each key in the source of a table's class and of its base classes, by key."""
     tables = [each for each in table.__mro__ if issubclass(each, Section) and each is not Section]
     trees = [ast.parse(textwrap.dedent(inspect.getsource(each))) for each in tables]
     bodies = [node.body for tree in trees for node in tree.body if isinstance(node, ast.ClassDef)]
@@ -247,9 +256,9 @@ def _key_docs(table: type[Section]) -> Mapping[str, str]:
 
 
 def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
-    """Return the values for other shapes of a walker's body, at its current size.
+    """Return the shapes that the page offers for the walker's body, by name, each with the values to set.
 
-    Drawings and meshes are dropped onto the page. Letters begin with their own template. Raises
+    They have the body's current size. Letters begin with their own template. Raises
     InputError for an invalid document.
     """
     design = document.load_design()
@@ -272,7 +281,7 @@ def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
 
 
 def _round_lengths(value: Any) -> Any:
-    """Round the lengths of a shape to tenths of a millimetre."""
+    """Round all numbers in a value, or in its tables and lists, to one decimal."""
     if isinstance(value, float):
         return round(value, 1)
     if isinstance(value, dict):
@@ -281,9 +290,9 @@ def _round_lengths(value: Any) -> Any:
 
 
 def legs_as_list(document: Document) -> list[dict[str, Any]]:
-    """Return the legs of the walker as a list [[legs]]. Two equal legs become two entries.
+    """Return the walker's legs in the form of the TOML list [[legs]]. Two equal legs become two entries.
 
-    A finished walker has no legs to change. Raises InputError for an invalid document.
+    A walker given as a complete mesh has none. Raises InputError for an invalid document.
     """
     design = document.load_design()
     if design.whole:

@@ -47,7 +47,10 @@ full address. Or press Ctrl-C there and start walkergen again. It then opens the
 
 
 def restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
-    """Return an application that answers only requests from its own pages, under its own name."""
+    """Return an ASGI application that passes to `app` only requests with Host in `hosts` and the same Origin, if any.
+
+    It adds headers for security to all answers.
+    """
 
     async def handle_request(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] != "http":
@@ -78,7 +81,7 @@ def restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
 
 
 def handle_http_error(request: Request, error: HTTPException) -> Response:
-    """Return the refusal of an unknown address or an invalid request. A browser shows a page."""
+    """Return the answer to an unknown address or an invalid request: a page for a browser, else JSON."""
     if request.method == "GET" and "text/html" in request.headers.get("accept", ""):
         return HTMLResponse(BAD_ADDRESS_PAGE, error.status_code)
     return error_response([f"Unknown address: {error.detail}"], error.status_code)
@@ -89,8 +92,8 @@ def handle_internal_error(_: Request, error: Exception) -> Response:
     return error_response(["Internal error. See the terminal for details, and please report it."], 500)
 
 
-async def read_body(request: Request, most: int = MAX_MESSAGE_BYTES) -> bytes:
-    """Read the message of a page. Raises InputError if it is too long."""
+async def read_body(request: Request, max_bytes: int = MAX_MESSAGE_BYTES) -> bytes:
+    """Read the body of a request. Raises InputError if it is too long, TimeoutError if it stalls."""
     data, length = bytearray(), 0
     stream = request.stream()
     while True:  # to its end: a client that still sends cannot receive the refusal
@@ -99,12 +102,12 @@ async def read_body(request: Request, most: int = MAX_MESSAGE_BYTES) -> bytes:
         except StopAsyncIteration:
             break
         length += len(piece)
-        if length <= most:
+        if length <= max_bytes:
             data += piece
         elif length > MAX_RECEIVED_BYTES:
             break
-    if length > most:
-        raise InputError(f"{documents.SOURCE}: more than {most / 1e6:g} MB")
+    if length > max_bytes:
+        raise InputError(f"{documents.SOURCE}: more than {max_bytes / 1e6:g} MB")
     return bytes(data)
 
 
@@ -115,7 +118,7 @@ def json_response(data: Any, status: int = 200) -> Response:
 
 
 def error_response(lines: list[str], status: int) -> Response:
-    """Return a refusal, a line for each reason."""
+    """Return an answer with the reasons of a refusal, one a line, and this HTTP status."""
     return json_response({"refused": [{"key": "", "text": line} for line in lines]}, status)
 
 
@@ -133,10 +136,10 @@ class EventStream(Response):
         """Send the events as they arrive."""
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
 
-        async def lines() -> None:
+        async def send_lines() -> None:
             async for event in self._events:
                 line = json.dumps(event).encode() + b"\n"
                 await send({"type": "http.response.body", "body": line, "more_body": True})
 
-        await child_processes.run_until_disconnect(receive, lines())
+        await child_processes.run_until_disconnect(receive, send_lines())
         await send({"type": "http.response.body", "body": b""})

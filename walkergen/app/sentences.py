@@ -61,9 +61,9 @@ class Speed(NamedTuple):
 
 
 def format_speed(row: Prediction) -> Speed:
-    """Format the speed of a prediction: its median, and the range of half of the prints.
+    """Format the predicted speed as a sentence: its median, and the range that contains half of the prints.
 
-    The quartiles follow from the 68 % interval, on either side as for a normal distribution.
+    The quartiles are computed from the 68 % interval, on either side as for a normal distribution.
     """
     ends = row.speed.interval(0.68)
     if ends is None and row.falls > 0.0:
@@ -74,28 +74,30 @@ def format_speed(row: Prediction) -> Speed:
         bounds = "" if row.speed_by == "statics" else f", with bounds {_format_range(*ends)}"
         return Speed(f"stands{bounds}.", "stands", True)
     middle = row.speed.number
-    quarter, most = (middle + QUARTILE_RATIO * (end - middle) for end in ends)
+    lower, upper = (middle + QUARTILE_RATIO * (end - middle) for end in ends)
     return Speed(
-        f"{_format_velocity(middle)}; half of the prints run {_format_range(quarter, most)}.", _direction(middle), True
+        f"{_format_velocity(middle)}; half of the prints run {_format_range(lower, upper)}.", _direction(middle), True
     )
 
 
-def _direction(value: float) -> Kind:
-    return "forward" if value >= 0.0 else "backward"
+def _direction(speed: float) -> Kind:
+    return "forward" if speed >= 0.0 else "backward"
 
 
 def _format_velocity(value: float) -> str:
+    """Format a speed, mm/s, with its direction in words."""
     if value < 0.0:
         return f"runs backward, about {_format_size(value)} mm/s to the left"
     return f"about {_format_size(value)} mm/s to the right"
 
 
 def _format_size(value: float) -> str:
+    """Format the absolute value of a speed, with one decimal if it is small."""
     return words.format_fixed(abs(value), 0 if abs(value) >= 9.95 else 1)
 
 
 def _format_range(low: float, high: float) -> str:
-    """Format a range of speeds. Negative speeds are to the left."""
+    """Format a range of speeds, mm/s. Negative speeds are to the left."""
     if low >= 0.0:
         return f"between {_format_size(low)} and {_format_size(high)}"
     if high <= 0.0:
@@ -104,7 +106,7 @@ def _format_range(low: float, high: float) -> str:
 
 
 def format_runs(facts: Mapping[str, Any]) -> str:
-    """Describe the runs of a walker in a sentence, from the facts of `simulate`."""
+    """Describe the simulated speed in a sentence, from the JSON output of `simulate`."""
     value, error = facts["speed_mm_s"], facts["speed_se_mm_s"]
     if value is None:
         return "No run ended with a speed."
@@ -118,23 +120,23 @@ def format_runs(facts: Mapping[str, Any]) -> str:
 
 
 def format_name(key: str) -> str:
-    """Return the name of an unknown input without its unit; `key` is its key, or words."""
+    """Return an uncertain input's name in words, without its unit. `key`: dotted key of a file, or words."""
     words = re.sub(r" \([^)]*\)$", "", key_names.format_key(key)) if "." in key else key
     return re.sub(r"^(.+?) sd\b", r"deviation of \1", words)
 
 
 def format_setting(key: str, value: float) -> str:
-    """Format the value of a key of a walker or, after "printer.", of the printer, in words."""
+    """Return the name of a dotted key in words, its value and its unit."""
     return f"{format_name(key)}: {value:g} {key_names.UNITS_BY_SUFFIX.get(_unit_ending(key), '')}".strip()
 
 
 def format_title(name: str) -> str:
-    """Return the plain name of a template followed by its own, or only its own."""
+    """Return the plain name of a template followed by its file's name; only the latter if it has no plain name."""
     return f"{TITLES[name]} ({name})" if name in TITLES else name
 
 
 def to_plain_text(text: str) -> str:
-    """Remove keys of files and flags of a shell from a text: keys become words, clauses with a flag are dropped."""
+    """Rewrite a message for users of the page: keys of files become words, clauses with a shell flag are dropped."""
     clauses = re.split(r"(?<=[;:,.]) ", text)
     kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|[`‹]|walkergen ", clause)]
     text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))
@@ -150,23 +152,24 @@ def _yes_or_no(word: str) -> str:
     return "yes" if word == "true" else "no"
 
 
-def _format_key(key: re.Match[str]) -> str:
-    """Return a key in words without its unit, and other words unchanged."""
-    known = key[0].removeprefix("scene.").removeprefix("printer.")
-    if known.isidentifier() and known != key[0]:  # a table
-        return known
-    if ("." not in known and "_" not in known) or re.sub(r"\[\d+\]", "", known) not in _file_keys():
-        return key[0]
-    return format_name(known) if "." in known else known.removesuffix(_unit_ending(known)).replace("_", " ")
+def _format_key(match: re.Match[str]) -> str:
+    """Return the replacement for a matched word: the name in words for a file's key, else the word itself."""
+    key = match[0].removeprefix("scene.").removeprefix("printer.")
+    if key.isidentifier() and key != match[0]:  # a table
+        return key
+    if ("." not in key and "_" not in key) or re.sub(r"\[\d+\]", "", key) not in _file_keys():
+        return match[0]
+    return format_name(key) if "." in key else key.removesuffix(_unit_ending(key)).replace("_", " ")
 
 
 def _unit_ending(key: str) -> str:
+    """Return the suffix of a key that states its unit, such as "_mm"; "" without one."""
     return next((end for end in key_names.UNITS_BY_SUFFIX if key.endswith(end)), "")
 
 
 @cache
 def _file_keys() -> frozenset[str]:
-    """Return all keys of files, and their last parts that contain an underscore."""
+    """Return all dotted keys of walkers, scenes and printers, and their last parts that contain an underscore."""
     paths = [".".join(path) for model in (Design, Scene, Printer) for path in config.key_paths(model)]
     paths += [f"legs.{name}" for name in Leg.model_fields]
     return frozenset([*paths, *(name for path in paths if "_" in (name := path.rpartition(".")[2]))])

@@ -61,7 +61,7 @@ WorkArgument = Callable[[Server, MessageFields], Any]
 
 
 def application(server: Server) -> Any:
-    """Make the ASGI application of a server."""
+    """Return the ASGI application of a server, with all its endpoints."""
     endpoints: dict[str, Endpoint] = {
         "start": _send_start_data,
         "walker": _send_walker,
@@ -90,7 +90,8 @@ def application(server: Server) -> Any:
     word = (server.once or "").encode()
     used: list[bytes] = []
 
-    def once(request: Request) -> Response:
+    def redirect_once(request: Request) -> Response:
+        """Redirect the first request that has the right secret word to the page, and refuse all others."""
         if used or not secrets.compare_digest(request.path_params["word"].encode(), word):
             return messages.error_response(["This address has already been used. Start walkergen app again."], 410)
         used.append(word)
@@ -98,17 +99,17 @@ def application(server: Server) -> Any:
 
     outer: list[Any] = [Mount(f"/{server.secret}", routes=inner)]
     if server.once:
-        outer.append(Route("/once/{word}", once))
+        outer.append(Route("/once/{word}", redirect_once))
     handlers: Any = {HTTPException: messages.handle_http_error, Exception: messages.handle_internal_error}
     return messages.restrict_hosts(Starlette(routes=outer, exception_handlers=handlers), server.hosts)
 
 
-def _handle_refusals(server: Server, work: Endpoint) -> Any:
-    """Return an endpoint that reports the refusals of a job in words."""
+def _handle_refusals(server: Server, endpoint: Endpoint) -> Any:
+    """Return a handler of requests that calls an endpoint and answers with a message if it raises an error."""
 
-    async def endpoint(request: Request) -> Response:
+    async def handle_request(request: Request) -> Response:
         try:
-            return await work(server, request)
+            return await endpoint(server, request)
         except WalkergenError as error:
             return messages.json_response({"refused": walker_answers.format_refusal(error)}, 422)
         except (MemoryError, RecursionError):
@@ -118,7 +119,7 @@ def _handle_refusals(server: Server, work: Endpoint) -> Any:
         except ClientDisconnect:  # the client has gone
             return Response(status_code=204)
 
-    return endpoint
+    return handle_request
 
 
 async def _read_request(server: Server, request: Request) -> tuple[Document, dict[str, Any]]:
@@ -128,7 +129,7 @@ async def _read_request(server: Server, request: Request) -> tuple[Document, dic
 
 
 async def _send_start_data(server: Server, request: Request) -> Response:
-    """Return what a page needs once: the files to start from, and the stored document."""
+    """Return what a page loads once: the names of all templates, and the document to begin with."""
     names = {kind: templates.names(kind) for kind in templates.KINDS}
     listed = [row for row in templates.list_templates().facts["rows"] if row["kind"] == "walkers"]
     about = {row["name"]: row["description"] for row in listed}
@@ -148,7 +149,7 @@ async def _send_start_data(server: Server, request: Request) -> Response:
 
 
 def _load_saved(server: Server) -> Any:
-    """Load the stored document; None without one, if its files are gone, or if the command line names another."""
+    """Load the saved document; None if there is none, its files are missing, or the command line names another."""
     try:
         data = file_reading.read_bytes(server.folder / SAVED_DOCUMENT, MAX_SAVED_BYTES, "a JSON file")
         kept = documents.parse_message(data).get("document")
@@ -160,7 +161,7 @@ def _load_saved(server: Server) -> Any:
 
 
 async def _save_document(server: Server, request: Request) -> Response:
-    """Save a document, as the page sent it, for the next start."""
+    """Save the page's document, as it was sent, for the next start of the server."""
     document = documents.parse_message(await messages.read_body(request)).get("document")
     documents.from_message(document, server.place)
     kept = encode_manifest({"document": document})
@@ -175,57 +176,60 @@ async def _send_walker(server: Server, request: Request) -> Response:
     return Response(packed, media_type="application/octet-stream")
 
 
-def _is_rough(server: Server, asked: MessageFields) -> bool:
-    """Return whether a few points suffice, as while a slider moves."""
-    return asked.get("rough") is True
+def _is_rough(server: Server, fields: MessageFields) -> bool:
+    """Return whether the page requests a curve of few points, as while a slider moves."""
+    return fields.get("rough") is True
 
 
-def _slider_keys(server: Server, asked: MessageFields) -> list[str]:
+def _slider_keys(server: Server, fields: MessageFields) -> list[str]:
     """Return the keys of the sliders whose ranges are requested. Raises InputError."""
-    keys = asked.get("keys")
+    keys = fields.get("keys")
     if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{documents.SOURCE}: keys: must be a list of keys")
     return keys
 
 
-def _target_speed(server: Server, asked: MessageFields) -> Any:
-    """Return the target speed, as the page sent it."""
-    return asked.get("speed")
+def _target_speed(server: Server, fields: MessageFields) -> Any:
+    """Return the target speed as the page sent it, not validated."""
+    return fields.get("speed")
 
 
-def _file_choice(server: Server, asked: MessageFields) -> downloads.FileChoice:
-    """Return the files that the page requests. Raises InputError."""
-    return downloads.parse_choice(asked.get("what"), asked.get("copies", 1))
+def _file_choice(server: Server, fields: MessageFields) -> downloads.FileChoice:
+    """Return the choice of files that the page requests. Raises InputError."""
+    return downloads.parse_choice(fields.get("what"), fields.get("copies", 1))
 
 
 def _output_folder(name: str) -> WorkArgument:
-    """Return the folder of this name for the output of a command."""
-    return lambda server, asked: server.folder / name
+    """Return a function that returns the folder `name` in the server's folder."""
+    return lambda server, fields: server.folder / name
 
 
 async def _run_on_document(
-    work: Callable[..., Result], given: Sequence[WorkArgument], server: Server, request: Request
+    work: Callable[..., Result], extra_arguments: Sequence[WorkArgument], server: Server, request: Request
 ) -> Result:
-    """Run work on a page's walker and the further arguments from `given`, and return its result."""
-    document, asked = await _read_request(server, request)
-    return await _await_work(server.workers, request, work, document, *(one(server, asked) for one in given))
+    """Call `work` in another process, and return its result.
+
+    Its arguments are the page's document and the results of the functions `extra_arguments` for this request.
+    """
+    document, fields = await _read_request(server, request)
+    return await _await_work(server.workers, request, work, document, *(one(server, fields) for one in extra_arguments))
 
 
-def _answer_endpoint(work: Callable[..., Any], *given: WorkArgument, key: str = "") -> Endpoint:
-    """Return an endpoint that answers with work on a page's walker, in a table if a key is given."""
+def _answer_endpoint(work: Callable[..., Any], *extra_arguments: WorkArgument, key: str = "") -> Endpoint:
+    """Return an endpoint that answers with the result of `work`, in a table under `key` if that is given."""
 
     async def endpoint(server: Server, request: Request) -> Response:
-        result = await _run_on_document(work, given, server, request)
+        result = await _run_on_document(work, extra_arguments, server, request)
         return messages.json_response({key: result} if key else result)
 
     return endpoint
 
 
-def _command_endpoint(words: Callable[..., list[str]], *given: WorkArgument) -> Endpoint:
-    """Return an endpoint that runs a command on a page's walker."""
+def _command_endpoint(make_arguments: Callable[..., list[str]], *extra_arguments: WorkArgument) -> Endpoint:
+    """Return an endpoint that runs a command and streams its events. `make_arguments` returns the command line."""
 
     async def endpoint(server: Server, request: Request) -> Response:
-        command = await _run_on_document(words, given, server, request)
+        command = await _run_on_document(make_arguments, extra_arguments, server, request)
         return messages.EventStream(
             child_processes.run_module(server.running, child_processes.COMMAND_MODULE, [command])
         )
@@ -233,23 +237,23 @@ def _command_endpoint(words: Callable[..., list[str]], *given: WorkArgument) -> 
     return endpoint
 
 
-async def _await_work(workers: Workers, request: Request, work: Callable[..., Result], *given: Any) -> Result:
-    """Run slow work in a process and return its result. Raises ClientDisconnect if the page is closed meanwhile."""
-    result = await child_processes.run_until_disconnect(request.receive, workers.answer(work, *given))
+async def _await_work(workers: Workers, request: Request, work: Callable[..., Result], *arguments: Any) -> Result:
+    """Call `work` in another process and return its result. Raises ClientDisconnect if the page is closed."""
+    result = await child_processes.run_until_disconnect(request.receive, workers.answer(work, *arguments))
     if result is None:
         raise ClientDisconnect
     return result
 
 
 async def _run_simulation(server: Server, request: Request) -> Response:
-    """Simulate the walker; if `short` only for a first estimate."""
-    document, asked = await _read_request(server, request)
-    sent = {"document": document._asdict(), "short": asked.get("short") is True}
+    """Simulate the walker in a child process and stream its events. With the field `short`, only predict its speed."""
+    document, fields = await _read_request(server, request)
+    sent = {"document": document._asdict(), "short": fields.get("short") is True}
     return messages.EventStream(child_processes.run_module(server.running, child_processes.SIMULATION_MODULE, sent))
 
 
 async def _make_files(server: Server, request: Request) -> Response:
-    """Make files with their commands; `take` sends them."""
+    """Make the requested files by running commands, and stream their events. `take` sends the files."""
     commands = await _run_on_document(downloads.file_commands, (_file_choice, _output_folder("")), server, request)
     if not commands:
         return Response(b"", media_type=messages.EventStream.media_type)
@@ -257,7 +261,7 @@ async def _make_files(server: Server, request: Request) -> Response:
 
 
 async def _send_files(server: Server, request: Request) -> Response:
-    """Send finished files, and the shell commands that made them."""
+    """Send the finished files, with the shell commands that made them in a header."""
     name, data, commands = await _run_on_document(
         downloads.collect_files, (_file_choice, _output_folder("")), server, request
     )
@@ -267,7 +271,7 @@ async def _send_files(server: Server, request: Request) -> Response:
 
 
 async def _receive_upload(server: Server, request: Request) -> Response:
-    """Store a file that was dropped onto the page, under a generated name."""
+    """Store a file that was dropped onto the page, and send its new name and the key that it sets."""
     kind = request.query_params.get("kind", "").lower()
     data = await messages.read_body(request, MAX_UPLOAD_BYTES)
     if kind not in documents.UPLOAD_ENDINGS:
@@ -282,7 +286,10 @@ async def _receive_upload(server: Server, request: Request) -> Response:
 
 
 def _store_upload(folder: Path, kind: str, data: bytes) -> str:
-    """Write a dropped file and return its name. Raises OutputError."""
+    """Write a dropped file, named by its hash, and return its name. Raises OutputError.
+
+    `kind`: suffix without dot. The oldest files are deleted if the folder is too large.
+    """
     name = f"{hashlib.sha256(data).hexdigest()[:16]}.{kind}"
     with output.Folder(folder, "") as target:
         target.write(name, data)

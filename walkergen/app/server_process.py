@@ -37,7 +37,7 @@ class _IdleTimeoutProtocol(H11Protocol):
         self.loop.call_later(IDLE_S, self._close_if_idle, None)
 
     def _close_if_idle(self, before: Any) -> None:
-        """Close the connection if it is idle and has answered nothing since the last check, at the message `before`."""
+        """Close the connection if no request came, or if `before`, the request at the last check, is still the last."""
         if self.transport.is_closing():
             return
         if self.cycle is None or (self.cycle is before and self.cycle.response_complete):
@@ -49,27 +49,29 @@ class _IdleTimeoutProtocol(H11Protocol):
 class _CleanupServer(uvicorn.Server):
     """Server that first ends the children of its pages at shutdown, and logs nothing more."""
 
-    def __init__(self, config: uvicorn.Config, served: servers.Server) -> None:
+    def __init__(self, config: uvicorn.Config, state: servers.Server) -> None:
         super().__init__(config)
-        self._served = served
+        self._state = state
 
     async def shutdown(self, sockets: Any = None) -> None:
+        """Stop child processes and workers, then the server."""
         from walkergen.app import child_processes
 
         logging.getLogger("uvicorn.error").disabled = True
-        await child_processes.stop_all(self._served.running)
-        for workers in (self._served.steps, self._served.workers):
+        await child_processes.stop_all(self._state.running)
+        for workers in (self._state.steps, self._state.workers):
             workers.stop()
         await super().shutdown(sockets)
 
 
-def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, browser: bool) -> None:
-    """Serve pages on a valid document until Ctrl-C. `anew` is true if the command line named this document.
+def serve(start: Document, anew: bool, folder: Path, host: str, port: int, browser: bool) -> None:
+    """Serve the page until Ctrl-C. It begins with the valid document `start`, or with the saved one.
 
-    Raises InputError for unusable addresses.
+    `anew`: True to replace the saved document. `folder`: for all output. `browser`: True to open the page. Raises
+    InputError for an unusable `host` or `port`.
     """
-    own = None if asked.walker in templates.names("walkers") else asked.walker
-    first = asked._replace(values=servers.START_VALUES | dict(asked.values))
+    own = None if start.walker in templates.names("walkers") else start.walker
+    first = start._replace(values=servers.START_VALUES | dict(start.values))
     away = _is_remote(host)
     listening = _open_socket(host, port)
     port = listening.getsockname()[1]
@@ -101,14 +103,14 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
 
 
 def _allowed_hosts(names: Sequence[str], port: int) -> frozenset[str]:
-    """Return the hosts, as browsers name them, for these names and a port."""
+    """Return the values of the header Host that browsers send for these names and a port."""
     bracketed = [_bracket_ipv6(name).lower() for name in names]
     plain = bracketed if port == PLAIN_PORT else []
     return frozenset([*(f"{name}:{port}" for name in bracketed), *plain])
 
 
 def _bracket_ipv6(host: str) -> str:
-    """Format a host for the address of a page."""
+    """Return a host as written in a URL: IPv6 addresses in brackets."""
     return f"[{host}]" if ":" in host else host
 
 
@@ -129,7 +131,7 @@ def _is_remote(host: str) -> bool:
 
 
 def _open_socket(host: str, port: int) -> socket.socket:
-    """Open a socket that listens at an address. Raises InputError."""
+    """Return a socket that listens at a host and port. Raises InputError."""
     listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
     # Windows lets two programs share a port, unless SO_EXCLUSIVEADDRUSE forbids it. Elsewhere SO_REUSEADDR allows a
     # port whose last connections are still closing

@@ -41,7 +41,11 @@ class Server(NamedTuple):
 def make_server(
     folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
 ) -> Server:
-    """Make a server with new secrets; `away` if other machines can reach it."""
+    """Return the state of a new server with new secrets.
+
+    `first`: document that pages start with. `own`: file of its walker, None for a template. `away`: True if other
+    machines can reach the server. `anew`: True if `first` replaces the saved document.
+    """
     place = PageFiles(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
     return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), anew, once)

@@ -26,7 +26,7 @@ PLAYBACK_S = 3.0
 
 
 def main() -> int:
-    """Simulate the document from the server, if `short` only for its prediction; returns the exit code."""
+    """Simulate the walker in the document that the server sent, or only predict its speed; returns the exit code."""
     sent = child_processes.receive_and_watch()
     document = Document(**sent["document"])
     try:
@@ -42,35 +42,38 @@ def main() -> int:
 
 
 def _predict(design: "Design", scene: "Scene") -> None:
-    """Predict a walker that requires runs. The result is cached for later requests."""
+    """Predict a walker that requires short runs. The result is cached for later requests."""
     from walkergen.commands.predict import make
 
-    make.predict(design, [design], scene, "coulomb", progress=child_processes.teller())
+    make.predict(design, [design], scene, "coulomb", progress=child_processes.progress_sender())
     child_processes.send_event({"predicted": True})
 
 
 def _simulate(design: "Design", scene: "Scene") -> None:
+    """Send the server a first estimate from short runs, a run for playback, and the result of all runs."""
     from walkergen.guests.movie import viewer_run
 
-    run, tell = scene.run, child_processes.teller()
+    run, progress = scene.run, child_processes.progress_sender()
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
-    before, rest = seconds * runs, run.seconds * run.runs  # simulated time of both, for one common progress bar
-    if not rest > 2.0 * before:
-        before = 0.0
-    shares = before / (before + PLAYBACK_S + rest), (before + PLAYBACK_S) / (before + PLAYBACK_S + rest)
-    if before:
-        few = run.model_copy(update={"seconds": seconds, "runs": runs})
-        first = scene.model_copy(update={"run": few})
+    first_s, all_s = seconds * runs, run.seconds * run.runs  # simulated time of both, for one common progress bar
+    if not all_s > 2.0 * first_s:
+        first_s = 0.0
+    shares = first_s / (first_s + PLAYBACK_S + all_s), (first_s + PLAYBACK_S) / (first_s + PLAYBACK_S + all_s)
+    if first_s:
+        first_run = run.model_copy(update={"seconds": seconds, "runs": runs})
+        first_scene = scene.model_copy(update={"run": first_run})
         child_processes.send_event(
-            _measure_walker(design, first, range_progress(tell, 0.0, shares[0])) | {"first": True}
+            _measure_walker(design, first_scene, range_progress(progress, 0.0, shares[0])) | {"first": True}
         )
     with contextlib.suppress(WalkergenError):  # no playback in a plane or after an immediate fall: the runs report it
         child_processes.send_event({"played": viewer_run.record_run(design, scene, PLAYBACK_S)})
-    child_processes.send_event(_measure_walker(design, scene, range_progress(tell, shares[1], 1.0)) | {"first": False})
+    child_processes.send_event(
+        _measure_walker(design, scene, range_progress(progress, shares[1], 1.0)) | {"first": False}
+    )
 
 
 def _measure_walker(design: "Design", scene: "Scene", progress: "Progress") -> dict[str, Any]:
-    """Simulate a walker, and return the facts of `simulate` with a sentence."""
+    """Simulate a walker. Return the JSON output of `simulate` as `facts`, and a sentence on its speed as `text`."""
     from walkergen.commands.simulate import make, report
     from walkergen.core.walker import solids
 

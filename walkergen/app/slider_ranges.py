@@ -21,9 +21,10 @@ MAX_CPU_S = 0.6
 
 
 def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Find the range of each slider that the walker can be built with, all other keys unchanged.
+    """Return, by key, the range of each slider within which the walker can be built, all other keys unchanged.
 
-    Keys of a scene or a printer change no walker and are left out. Raises InputError for an invalid document.
+    Keys of a scene or a printer, very narrow ranges, and ranges not found in time are left out. Raises InputError for
+    an invalid document.
     """
     controls = {control.key: control for group in form.groups(document) for control in group.controls}
     end, ranges = time.process_time() + MAX_CPU_S, {}
@@ -41,21 +42,25 @@ def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[fl
 
 
 def nearest(design_at: Callable[[float], Design], near: float, far: float, error: float) -> float:
-    """Find the value nearest to `far`, up to an error, at which a walker can be built. It can be built at `near`."""
+    """Find the value nearest to `far` at which a walker can be built, by bisection from `near`, where it can be built.
 
-    def is_sound(value: float) -> bool:
+    `design_at`: returns the design for a value. `error`: largest error of the result.
+    """
+
+    def can_build(value: float) -> bool:
         try:
             solids.mass_of(design_at(value))
         except WalkergenError:
             return False
         return True
 
-    if is_sound(far):
+    if can_build(far):
         return far
     while abs(far - near) > error and (middle := 0.5 * (near + far)) not in (near, far):
-        near, far = (middle, far) if is_sound(middle) else (near, middle)
+        near, far = (middle, far) if can_build(middle) else (near, middle)
     return near
 
 
 def _design_with(document: Document, key: str, value: float) -> Design:
+    """Return the document's walker with another value of a key, without marks."""
     return document._replace(values={**document.values, key: value}).load_design().unmarked

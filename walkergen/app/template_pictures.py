@@ -25,6 +25,7 @@ def side_view(name: str) -> str:
 
 
 def _draw_mesh(mesh: Mesh) -> str:
+    """Draw the visible triangles of a mesh as SVG, shaded, the nearest last."""
     towards = np.cross(VIEW_AXES[0], VIEW_AXES[1])
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -48,6 +49,6 @@ def _draw_mesh(mesh: Mesh) -> str:
     )
 
 
-def _colour(share: float) -> str:
-    """Return the colour of a face for a share of light, 0..1."""
-    return "#" + "".join(f"{round(value * share):02x}" for value in (126, 184, 230))
+def _colour(brightness: float) -> str:
+    """Return the colour (#rrggbb) of a face for a brightness of 0 to 1."""
+    return "#" + "".join(f"{round(value * brightness):02x}" for value in (126, 184, 230))

@@ -39,7 +39,7 @@ LEG_GAP_MM = 1e-4
 
 
 def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
-    """Return the facts on the walker and its speed, and its mesh in standing position.
+    """Return the facts on the walker and its predicted speed as JSON values, and its mesh in standing position.
 
     Raises WalkergenError for a walker that cannot be built or predicted.
     """
@@ -72,7 +72,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
 
 
 def pack_walker(document: Document) -> bytes:
-    """Return the facts on the walker as a line of JSON, the corners of its triangles, and which belong to legs.
+    """Return bytes for the page: `walker_facts` as a line of JSON, then `triangle_corners`, then `leg_mask`.
 
     Raises WalkergenError, as `walker_facts` does.
     """
@@ -98,10 +98,11 @@ def printing_outlook(document: Document) -> dict[str, Any]:
 
 
 def variance_shares(document: Document) -> list[dict[str, Any]]:
-    """Return each unknown input's part of the spread of the speed, largest first; none if only runs give the speed.
+    """Return each uncertain input's share of the variance of the speed, largest first.
 
-    A part is what knowing that input alone would remove. The last one is what several inputs cause together. Each has
-    the key under which a measured value is entered, "" without one. Raises WalkergenError, as `walker_facts` does.
+    The share `part` would vanish if that input alone were known. The last one is caused by several inputs together.
+    `key`: key under which a measured value is entered, "" without one. The list is empty if only runs give the speed.
+    Raises WalkergenError, as `walker_facts` does.
     """
     design, scene = document.load_design(), document.load_scene()
     report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
@@ -121,7 +122,7 @@ def variance_shares(document: Document) -> list[dict[str, Any]]:
 
 
 def _page_key(name: str, design: Design) -> str:
-    """Return the key on a page of an unknown input, by its name in predictions; "" without a key."""
+    """Return the key in the page's form of an uncertain input, from its name in predictions; "" without a key."""
     table, _, key = name.partition(".")
     if table == "legs":
         return f"legs.{design.kind}_{key}" if design.pair else ""
@@ -129,9 +130,9 @@ def _page_key(name: str, design: Design) -> str:
 
 
 def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
-    """Return mistakes in words for users of a mouse, each with its key if it has one.
+    """Return the mistakes that an error reports, in words for the page, each with its key ("" without one).
 
-    The last one comes with remedies, and states whether `trouble_picture` draws it.
+    The last mistake has the remedies as `helps`, and `drawn` is True if `trouble_picture` shows it.
     """
     mistaken = error if isinstance(error, InputError) else InputError(error.text)
     keys, remedies = mistaken.keys, mistaken.remedies
@@ -152,7 +153,7 @@ def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
 
 
 def trouble_picture(document: Document) -> dict[str, str]:
-    """Return the address of a picture of a body without room for legs, missing room in red; "" for other walkers."""
+    """Return a data URL with a picture of the body if legs find no room on it, missing room in red; else ""."""
     from walkergen.commands.family import unsupported_body as drawing
     from walkergen.files import figures
 
@@ -171,14 +172,14 @@ def triangle_corners(mesh: Mesh) -> npt.NDArray[np.float32]:
 
 
 def leg_mask(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
-    """Return 1 for each triangle of a leg, 0 for those of the body, shape (k,)."""
+    """Return 1 for each triangle of a leg and 0 for each of the body, shape (k,)."""
     bottom = min(limb.bottom for limb in document.load_design().limbs)
     middles = mesh.vertices[mesh.triangles][:, :, 1].mean(axis=1)
     return np.asarray(middles < bottom - LEG_GAP_MM, dtype=np.uint8)
 
 
 def _format_finding(finding: Finding) -> dict[str, Any]:
-    """Return a finding in words, with the key and button text of the one setting that would mend it, if any."""
+    """Return a printing check's finding in words, with the setting that would mend it as `does`; None without one."""
     setting = finding.setting
     text = sentences.to_plain_text(finding.text if setting is None else finding.seen_text)
     does = None if setting is None else setting._asdict() | {"words": sentences.format_setting(*setting)}
@@ -186,25 +187,25 @@ def _format_finding(finding: Finding) -> dict[str, Any]:
 
 
 def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
-    """Yield lengths to draw on the part, between points in its frame, mm."""
+    """Yield the dimension lines to draw on the part: end points in its frame, mm, and the length as text."""
     length, thickness, depth = design.size
     x, y = 0.5 * length, 0.5 * thickness
 
-    def line(start: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
+    def dimension(start: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
         text = f"{np.linalg.norm(np.subtract(end, start)):.4g} mm"
         return {"from": list(start), "to": list(end), "text": text}
 
-    yield line((-x, y, depth), (x, y, depth))
-    yield line((x, -y, depth), (x, y, depth))
-    yield line((x, y, 0.0), (x, y, depth))
+    yield dimension((-x, y, depth), (x, y, depth))
+    yield dimension((x, -y, depth), (x, y, depth))
+    yield dimension((x, y, 0.0), (x, y, depth))
     limbs = sorted(design.limbs, key=lambda limb: limb.along)
     for limb in limbs[-1:]:
         front = 0.5 * (depth + limb.width) + limb.across
         foot = np.add(limb.anchor, limb.anchor_to_foot)
-        yield line((*limb.anchor, front), (*foot.tolist(), front))
+        yield dimension((*limb.anchor, front), (*foot.tolist(), front))
     if len(limbs) > 1 and limbs[0].along < limbs[-1].along:
         low = min(limb.foot_height for limb in limbs)
-        yield line((limbs[0].along, low, depth), (limbs[-1].along, low, depth))
+        yield dimension((limbs[0].along, low, depth), (limbs[-1].along, low, depth))
 
 
 def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
@@ -216,7 +217,10 @@ def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
 
 
 def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
-    """Yield the share of the weight on the feet at each position along the run, at rest."""
+    """Yield the percentage of the weight on the back and the front feet at rest, with their positions.
+
+    Nothing is yielded unless the legs are at exactly two positions along the run.
+    """
     places = sorted({round(limb.along, 6) for limb in design.limbs})
     if len(places) != 2:
         return

@@ -82,20 +82,21 @@ class Workers:
         self._count = 1
         self._idle.put(_start_worker())
 
-    async def answer(self, work: Callable[..., Result], *given: Any) -> Result:
-        """Run work in a process and return its result; cancelling it ends the work. Raises WalkergenError."""
+    async def answer(self, work: Callable[..., Result], *arguments: Any) -> Result:
+        """Call `work` in a process and return its result. Cancelling ends the work. Raises WalkergenError."""
         gone = threading.Event()
         try:
-            running = self._threads.submit(self._answer, work, given, gone)
+            running = self._threads.submit(self._answer, work, arguments, gone)
             return await asyncio.wrap_future(running)
         except asyncio.CancelledError:
             gone.set()
             raise
 
-    def _answer(self, work: Callable[..., Any], given: Any, gone: threading.Event) -> Any:
+    def _answer(self, work: Callable[..., Any], arguments: Any, gone: threading.Event) -> Any:
+        """Call `work` in a process and return its result or raise its error. `gone`: set when the page is closed."""
         worker = self._acquire_worker()
         try:
-            answer = _request_answer(worker, work, given, gone)
+            answer = _request_answer(worker, work, arguments, gone)
         except BaseException:
             _stop_worker(worker)
             with self._counting:
@@ -107,7 +108,7 @@ class Workers:
         return answer
 
     def _acquire_worker(self) -> Worker:
-        """Return an idle process, or a new one if all are busy for long."""
+        """Return an idle process, or a new one if none is idle within QUEUE_WAIT_S."""
         while True:
             with contextlib.suppress(queue.Empty):
                 return self._idle.get(timeout=QUEUE_WAIT_S if self._count else 0.0)
@@ -126,6 +127,7 @@ class Workers:
 
 
 def _start_worker() -> Worker:
+    """Start a process that answers requests through a pipe."""
     context: Any = multiprocessing.get_context(START_METHOD)
     if START_METHOD == "forkserver":
         context.set_forkserver_preload(PRELOADED_MODULES)
@@ -142,15 +144,18 @@ def _stop_worker(worker: Worker) -> None:
     worker.connection.close()
 
 
-def _request_answer(worker: Worker, work: Callable[..., Any], given: Any, gone: threading.Event) -> Any:
-    """Send work to a process; return its result, or its error. Raises InputError if it is lost or too slow."""
+def _request_answer(worker: Worker, work: Callable[..., Any], arguments: Any, gone: threading.Event) -> Any:
+    """Let a process call `work`, and return its result or the error that it raised.
+
+    Raises InputError if the process ends or is too slow. `gone`: set when the page is closed.
+    """
     late = InputError(f"{SOURCE}: this takes longer than {MAX_ANSWER_CPU_S:g} s. Make the shape simpler, or smaller.")
     try:
         if not worker.ready:
             worker.ready.append(_receive(worker, MAX_START_S, late))
         if gone.is_set():
             return ABANDONED_ERROR
-        worker.connection.send((work, given))
+        worker.connection.send((work, arguments))
         return _receive(worker, CLOCK_FACTOR * MAX_ANSWER_CPU_S, late, gone)
     except (EOFError, OSError):
         raise InputError(
@@ -158,14 +163,17 @@ def _request_answer(worker: Worker, work: Callable[..., Any], given: Any, gone: 
         ) from None
 
 
-def _receive(worker: Worker, longest: float, late: InputError, gone: threading.Event | None = None) -> Any:
-    """Receive the next message of a process. Raises InputError if it takes too long, EOFError if it has ended."""
+def _receive(worker: Worker, max_wait_s: float, late: InputError, gone: threading.Event | None = None) -> Any:
+    """Receive the next message of a process. Raises EOFError if the process has ended.
+
+    Raises the error `late` if it takes too long, and ABANDONED_ERROR if `gone` is set, as when the page is closed.
+    """
     begun, spent = time.monotonic(), _cpu_seconds(worker)
     while not worker.connection.poll(POLL_S):
         passed = time.monotonic() - begun
         if gone is not None and gone.is_set() and passed > GRACE_S:
             raise ABANDONED_ERROR
-        if passed > longest or _cpu_seconds(worker) - spent > MAX_ANSWER_CPU_S:
+        if passed > max_wait_s or _cpu_seconds(worker) - spent > MAX_ANSWER_CPU_S:
             raise late
     return worker.connection.recv()
 
@@ -180,7 +188,7 @@ def _cpu_seconds(worker: Worker) -> float:
 
 
 def _serve(connection: Connection) -> None:
-    """Answer requests until the server ends."""
+    """Run a worker process: receive pairs (work, arguments) and send the results, until the server ends."""
     worker_pool.init_worker()
     if importlib.util.find_spec("resource"):
         import resource
@@ -194,17 +202,17 @@ def _serve(connection: Connection) -> None:
     with contextlib.suppress(EOFError, OSError):
         connection.send("ready")
         gc.freeze()  # garbage collection over all imports would take a tenth of a second
-        calm = False
+        preloaded = False
         while True:
-            if not calm and not connection.poll(IDLE_S):
+            if not preloaded and not connection.poll(IDLE_S):
                 _preload_meshes()
-                calm = True
-            work, given = connection.recv()
-            connection.send(_run_work(work, given))
+                preloaded = True
+            work, arguments = connection.recv()
+            connection.send(_run_work(work, arguments))
 
 
 def _preload_meshes() -> None:
-    """Load modules that only some walkers need."""
+    """Import modules that only some walkers need, and run the collision code of meshes once."""
     import numpy as np
 
     from walkergen.readers.drawings import crossings
@@ -216,10 +224,10 @@ def _preload_meshes() -> None:
     gc.freeze()
 
 
-def _run_work(work: Callable[..., Any], given: Any) -> Any:
-    """Run work, and return its result or the error that it raises."""
+def _run_work(work: Callable[..., Any], arguments: Any) -> Any:
+    """Call `work`, and return its result or the error that it raises."""
     try:
-        return work(*given)
+        return work(*arguments)
     except InputError as error:
         return error.resolve_remedies()
     except WalkergenError as error:

@@ -33,7 +33,7 @@ class Root(Group):
 
     @cached_property
     def sentences(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
-        """Headings and sentences of all commands."""
+        """Heading in the help and summary of every command, by its name."""
         return {name: (own.heading, command_builder.command_summary(name)) for name, own in COMMANDS.items()}
 
 
@@ -85,13 +85,13 @@ def _show_versions() -> None:
 
 
 def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
-    """Run the command line. Every mistake is a line on standard error, and the exit code gives the outcome.
+    """Run the command line and exit. Errors are lines on standard error.
 
-    0: success; 1: a file or a stream could not be written, or a test failed; 2: the input is
-    unusable, or has no answer; 130: interrupted.
+    Exit codes are 0 after success, 1 if a file or a stream could not be written or a test failed, 2 if the input is
+    unusable, and 130 after Ctrl-C.
     """
-    heard = streams.prepare()
-    lost = streams.catch_interrupts()
+    error_stream = streams.prepare()
+    lost_interrupt = streams.catch_interrupts()
     safe_text.guard_output()
     # Fixed here: drawing does not depend on settings of other programs
     os.environ["MPLBACKEND"] = "agg"
@@ -100,15 +100,18 @@ def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
     # without a cache folder it makes one for this process, as `caches` does: no message is needed
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with use_spelling(for_shell):
-        code = _run_command(commands, lost)
+        code = _run_command(commands, lost_interrupt)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all output is written; only Python's own end is left
     if code == INTERRUPTED_CODE:
         streams.exit_now(INTERRUPTED_CODE)
-    sys.exit(code or int(heard.lost))
+    sys.exit(code or int(error_stream.lost))
 
 
-def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Event) -> int:
-    """Run a command and empty standard output; returns the exit code. `lost` is set by a lost Ctrl-C."""
+def _run_command(commands: typer.Typer | Callable[[], None], lost_interrupt: threading.Event) -> int:
+    """Run the command line, print its error if it has one, and return the exit code.
+
+    `lost_interrupt`: set if a library has suppressed Ctrl-C.
+    """
     try:
         try:
             # A Typer that is called would replace our hook, which receives a lost Ctrl-C
@@ -130,7 +133,7 @@ def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Eve
     except MemoryError:
         return _print_error("not enough memory. Try a smaller job.", 1)
     except ImportError as error:  # a Ctrl-C while a library loads may come as its failure
-        if not (lost.is_set() or isinstance(error.__cause__, KeyboardInterrupt)):
+        if not (lost_interrupt.is_set() or isinstance(error.__cause__, KeyboardInterrupt)):
             raise
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is sent again
         return _print_error(INTERRUPTED_MESSAGE, INTERRUPTED_CODE)
@@ -141,7 +144,7 @@ def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Eve
 
 
 def _print_error(message: str, code: int) -> int:
-    """Print earlier output, then a mistake, a line for each of its lines."""
+    """Flush standard output, print each line of a message as an error, and return the exit code `code`."""
     try:
         sys.stdout.flush()
     except OSError:

@@ -47,7 +47,7 @@ class Command(TyperCommand):
     """Command whose help has names, sentences and defaults, and no names of Python's types."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write the arguments, then the options."""
+        """Write the help of the arguments, then of the options, in sections if they are many."""
         sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
         sections |= {heading: [] for heading in OPTION_HEADINGS}
         params = self.get_params(ctx)
@@ -62,11 +62,11 @@ class Command(TyperCommand):
                 heading = headings.get(long.removeprefix("--"), heading)
             name, text = record
             sections[heading].append((TYPE_SUFFIX.sub("", name), text))
-        wide = max(len(name) for rows in sections.values() for name, _ in rows)
+        width = max(len(name) for rows in sections.values() for name, _ in rows)
         for heading, rows in sections.items():
             if rows:
                 with formatter.section(heading):
-                    formatter.write_dl([(f"{name:{wide}s}", text) for name, text in rows])
+                    formatter.write_dl([(f"{name:{width}s}", text) for name, text in rows])
 
 
 class Group(TyperGroup):
@@ -78,17 +78,17 @@ class Group(TyperGroup):
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a list for each heading, keeping the order of headings and commands."""
         groups: dict[str, list[tuple[str, str]]] = {}
-        wide = max(map(len, self.commands), default=0)
+        width = max(map(len, self.commands), default=0)
         for name in self.commands:
             heading, text = self.sentences.get(name) or (OTHER_HEADING, _first_paragraph(self.commands[name]))
-            groups.setdefault(heading, []).append((f"{name:{wide}s}", text))
+            groups.setdefault(heading, []).append((f"{name:{width}s}", text))
         for heading, rows in groups.items():
             with formatter.section(heading):
                 formatter.write_dl(rows)
 
 
 def epilog(*examples: str) -> str:
-    """Return examples of a command for the end of its help."""
+    """Return the end of a command's help. `examples`: command lines without `walkergen`."""
     return "\n".join(["\b", "Examples:", *(f"  walkergen {words}" for words in examples)])  # \b: no line wrapping
 
 
@@ -105,7 +105,10 @@ SHELL_TYPES = (bool, int, float, Path)
 
 
 def command_summary(name: str) -> str:
-    """Return the first paragraph of a command's help, read from the file of its request without an import."""
+    """Return the first paragraph of a command's help.
+
+    It is read from the source of its request class, without an import.
+    """
     if not commands.COMMANDS[name].folder:
         return str(make_command(name).help)
     path = Path(commands.__file__).parent / commands.COMMANDS[name].folder.replace(".", "/") / "request.py"
@@ -130,19 +133,19 @@ class Commands(Mapping[str, Any]):
 
 @cache
 def make_command(name: str) -> Any:
-    """Make a command from its request. `templates` has subcommands, which have no requests."""
-    home, own = typer.Typer(rich_markup_mode=None, add_completion=False), commands.COMMANDS[name]
-    if own.folder:
-        home.command(name, cls=Command, epilog=epilog(own.example, own.other))(
+    """Build the typer command of this name from its request class, or from its module for `templates`."""
+    app, entry = typer.Typer(rich_markup_mode=None, add_completion=False), commands.COMMANDS[name]
+    if entry.folder:
+        app.command(name, cls=Command, epilog=epilog(entry.example, entry.other))(
             make_function(name, commands.load_request(name))
         )
-        return get_command(home)
-    home.add_typer(import_module(f"walkergen.cli.{name}").commands)
-    return get_group(home).commands[name]
+        return get_command(app)
+    app.add_typer(import_module(f"walkergen.cli.{name}").commands)
+    return get_group(app).commands[name]
 
 
 def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
-    """Build the function of a command, as typer reads it: its parameters are the request's fields."""
+    """Build the function that typer calls for a command. Its parameters are the fields of the request class."""
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
         given = {field: value for field, value in values.items() if value not in (None, [])}
@@ -161,52 +164,52 @@ def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
     return command
 
 
-def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
-    """Run a request, show its report and exit with its code."""
-    if not asked.reports:
-        asked.run(silent)
+def _run_request(name: str, request: "Request", json: bool, quiet: bool) -> None:
+    """Run a request with progress, print its report, and raise typer.Exit for an exit code other than 0."""
+    if not request.reports:
+        request.run(silent)
         streams.exit_now(0)  # work for a page may take long, and the page is closed
-    with console.progress(name, wanted=not quiet, on_expected=asked.register_time_callback) as progress:
-        report = asked.run(progress)
+    with console.progress(name, wanted=not quiet, on_expected=request.register_time_callback) as progress:
+        report = request.run(progress)
     assert report is not None
-    console.notes([] if quiet else asked.notes)
+    console.notes([] if quiet else request.notes)
     console.report(report, json, quiet)
     if report.code:
         raise typer.Exit(report.code)
 
 
 def _parameter(request: "type[Request]", field: str) -> Parameter:
-    """Return the parameter of a field for typer: an argument, an option, a switch, or a repeatable option."""
+    """Return the parameter that typer reads for a field of a request class: an argument, an option or a switch."""
     from walkergen.request import field_flag, field_help, flag_name
 
-    own, info = field_flag(request, field), request.model_fields[field]
-    kind = str if "str" in own.takes else _shell_type(info.annotation)
+    flag, info = field_flag(request, field), request.model_fields[field]
+    kind = str if "str" in flag.takes else _shell_type(info.annotation)
     default, name = _shell_default(info.get_default()), flag_name(request, field)
     default = default if isinstance(default, kind) else None
-    shown: dict[str, Any] = {"metavar": own.metavar or None, "help": field_help(request, field)}
-    if own.templates:
-        shown["autocompletion"] = name_completion(own.templates)
+    shown: dict[str, Any] = {"metavar": flag.metavar or None, "help": field_help(request, field)}
+    if flag.templates:
+        shown["autocompletion"] = name_completion(flag.templates)
     if kind is bool:
         name = f"{name}/--no-{name.removeprefix('--')}" if default else name
         shown["show_default"] = False
-    elif own.repeats:
+    elif flag.repeats:
         kind, default = list[kind] | None, None  # type: ignore[valid-type]
     elif info.is_required():
         default = Parameter.empty
     elif default is None:
         kind = kind | None
-    meeting = typer.Argument(**shown) if own.argument else typer.Option(name, **shown)
-    return Parameter(field, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, meeting])
+    option = typer.Argument(**shown) if flag.argument else typer.Option(name, **shown)
+    return Parameter(field, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
 
 
 def _shell_type(annotation: Any) -> Any:
-    """Return the type for the shell's parser; text if only a request can parse the words."""
+    """Return the type that typer parses for a field's annotation; str if only the request can parse it."""
     kinds = [kind for kind in (get_args(annotation) or [annotation]) if kind is not type(None)]
     return kinds[0] if len(kinds) == 1 and kinds[0] in SHELL_TYPES else str
 
 
 def _shell_default(default: Any) -> Any:
-    """Return a default as a shell would give it."""
+    """Return a default as typed on a command line: a list of texts is joined by commas."""
     return ",".join(default) if isinstance(default, (list, tuple)) and all(map(_is_text, default)) else default
 
 
@@ -215,7 +218,7 @@ def _is_text(value: object) -> bool:
 
 
 def name_completion(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
-    """Return the shell completion for names of shipped templates. Without a match it completes file names."""
+    """Return a function that completes names of shipped templates of these kinds for the shell."""
 
     def complete(incomplete: str) -> list[str]:
         from walkergen.files import templates

@@ -19,10 +19,10 @@ from walkergen.core.files.progress import Progress, part_progress
 def main() -> int:
     """Run the command lines that the server sent, one after another; returns the exit code."""
     lines, stream = child_processes.receive_and_watch(), sys.stdout
-    tell = child_processes.teller(stream)
+    send_progress = child_processes.progress_sender(stream)
     for number, words in enumerate(lines):
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a command leaves it ignored at its end
-        console.line_progress = _make_lines(part_progress(tell, number, len(lines)))  # type: ignore[assignment]
+        console.line_progress = _forward_to(part_progress(send_progress, number, len(lines)))  # type: ignore[assignment]
         sys.argv = ["walkergen", *words]
         with redirect_stdout(io.StringIO()) as output:
             code = _run_main()
@@ -33,6 +33,7 @@ def main() -> int:
 
 
 def _run_main() -> int:
+    """Run the command line in `sys.argv` and return its exit code."""
     try:
         cli.main()
     except SystemExit as end:
@@ -40,12 +41,12 @@ def _run_main() -> int:
     return 0
 
 
-def _make_lines(tell: Progress) -> Callable[[str], Any]:
-    """Return the replacement for the lines of progress on a terminal: it reports to `tell`."""
+def _forward_to(callback: Progress) -> Callable[[str], Any]:
+    """Return a replacement for `console.line_progress` that passes progress to a callback instead of printing it."""
 
     @contextmanager
     def forward_progress(title: str) -> Iterator[Progress]:
-        yield tell
+        yield callback
 
     return forward_progress
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 def _print_json(data: dict[str, Any]) -> None:
-    """Print JSON, refusing NaN and infinity, which JSON does not have.
+    """Print data as JSON. Raises ValueError for NaN and infinity, which JSON does not have.
 
-    Letters outside the stream's encoding are escaped, not replaced, so that no name is lost.
+    Letters outside the stream's encoding are escaped.
     """
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
     try:
@@ -32,7 +32,7 @@ def _print_json(data: dict[str, Any]) -> None:
 
 
 def table(content: "Table", width: int | None = None) -> None:
-    """Print a table with complete numbers, at any width (letters); None: the terminal's."""
+    """Print a table and never shorten its numbers. `width`: in letters; None for the terminal's."""
     from rich.console import Console
 
     from walkergen.files import rich_tables
@@ -41,10 +41,10 @@ def table(content: "Table", width: int | None = None) -> None:
 
 
 def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
-    """Print a report: as JSON, or its caption, tables and lines, and its folder.
+    """Print a report: as JSON if `json`, else its caption, tables, lines and folder, or nothing if `quiet`.
 
-    Warnings come first, on the error stream, even if the command is quiet. `width` of the
-    tables, letters; None: the terminal's.
+    Warnings and errors are printed on the error stream in any case. `width`: of tables, in letters; None for the
+    terminal's.
     """
     for warning in result.warnings:
         print(f"warning: {spell(warning)}", file=sys.stderr)
@@ -100,7 +100,7 @@ class Clock:
         """Time and share of the first finished work. Before that, the job was preparing."""
 
     def print_expected(self, find: "Callable[[], Expected | None]") -> None:
-        """Print the expected time of a job, as soon as the job reports it."""
+        """Print the expected time of a job once, unless it is short. `find`: estimates it; None if it is short."""
         if self._ends or (expected := find()) is None:
             return
         self._ends = time.monotonic() + expected.seconds
@@ -109,18 +109,18 @@ class Clock:
             print(f"{self.title}: {_format_duration(expected.seconds)}{note}", file=sys.stderr, flush=True)
 
     def record(self, done: int, total: int) -> None:
-        """Record how many steps are done."""
+        """Record time and share of the first finished work. `done`: finished steps of `total`."""
         if done and self._start is None:
             self._start = time.monotonic(), done / total
 
     def format_remaining(self, done: int, total: int) -> str:
-        """Format the time left after so many finished steps, in words."""
+        """Format the remaining time after `done` of `total` steps or, if it is unknown, the elapsed time."""
         now, share = time.monotonic(), done / total
         if now < self._ends:
             return f"{_format_duration(self._ends - now)} left"
-        begun, before = self._start or (now, share)
-        if share - before > MIN_PACE_SHARE:
-            return f"{_format_duration((now - begun) * (1.0 - share) / (share - before))} left"
+        begun, first_share = self._start or (now, share)
+        if share - first_share > MIN_PACE_SHARE:
+            return f"{_format_duration((now - begun) * (1.0 - share) / (share - first_share))} left"
         return f"{now - self._begun:.0f} s so far"
 
 
@@ -148,7 +148,7 @@ def progress(
 
 @contextmanager
 def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
-    """Print a progress line at intervals, also while the job reports nothing."""
+    """Print a progress line at intervals in a thread. Yields the progress callback of the job."""
     ended = threading.Event()
     state: list[tuple[str, int, int]] = []
 
@@ -187,7 +187,7 @@ def _format_duration(seconds: float) -> str:
 
 @contextmanager
 def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
-    """Show a bar from the first progress report of a job on."""
+    """Show a progress bar from the first report of a job on. Yields the progress callback of the job."""
     with ExitStack() as stack:
         shown: list[Callable[[str, int, int], None]] = []
 
@@ -200,7 +200,7 @@ def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
 
 
 def _start_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
-    """Draw a bar until a stack ends; return the function that updates it."""
+    """Draw a progress bar until the exit stack is closed. Return the function that updates it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 

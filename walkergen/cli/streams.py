@@ -20,7 +20,7 @@ class _StandardOutput(io.FileIO):
     """Standard output whose errors name it."""
 
     def write(self, data: Any, /) -> int:
-        """Write what can be written. Raises OSError."""
+        """Write data. Raises OSError with the name "standard output"."""
         try:
             return super().write(data)
         except OSError as error:
@@ -34,7 +34,7 @@ class _StandardError(io.FileIO):
     lost = False
 
     def write(self, data: Any, /) -> int:
-        """Write as much as possible; all text counts as written."""
+        """Write data and return the number of bytes. After an error set `lost`, and return as if all were written."""
         try:
             return super().write(data)
         except OSError:
@@ -43,56 +43,57 @@ class _StandardError(io.FileIO):
 
 
 def prepare() -> _StandardError:
-    """Make the standard streams safe to write to; returns the standard error, which records lost errors.
+    """Make the standard streams safe to write to. Return the error stream, whose `lost` records lost output.
 
-    Streams that replace Python's own are left unchanged.
+    Streams that already replace Python's own are left unchanged.
     """
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDONLY)  # takes the number; nothing can be written there
-    heard = _StandardError(2, "w", closefd=False)
+    error_stream = _StandardError(2, "w", closefd=False)
     if sys.platform == "win32":  # a console takes letters by other means than files do
-        return heard
+        return error_stream
     encoding = next((stream.encoding for stream in (sys.stdout, sys.stderr, sys.stdin) if stream), "utf-8")
     if sys.stdout is sys.__stdout__:
         sys.stdout = _text_stream(_StandardOutput(1, "w", closefd=False), encoding, "replace")
     if sys.stderr is sys.__stderr__:
-        sys.stderr = _text_stream(heard, encoding, "backslashreplace", lines=True)
-    return heard
+        sys.stderr = _text_stream(error_stream, encoding, "backslashreplace", lines=True)
+    return error_stream
 
 
 def _text_stream(raw: io.FileIO, encoding: str, errors: str, lines: bool = False) -> io.TextIOWrapper:
+    """Return a text stream on a raw one. `errors`: name of a codec error handler. `lines`: True to flush every line."""
     buffered = io.BufferedWriter(raw)
     return io.TextIOWrapper(buffered, encoding, errors, line_buffering=lines or raw.isatty())
 
 
 def catch_interrupts() -> threading.Event:
-    """Let Ctrl-C end the command at any time; returns an event that is set by a lost Ctrl-C.
+    """Install hooks that repeat a Ctrl-C that Python or a library ignored. Return an event that is set then.
 
-    Python prints and forgets a Ctrl-C while an object is destroyed, or while a library calls back: the
-    command would go on and end well. A library in C may print what stops its start, and raise an error of its own.
+    Python ignores KeyboardInterrupt while an object is destroyed, or while a library calls back. A library in C may
+    also print it and raise another error.
     """
-    before, told, lost = sys.unraisablehook, sys.excepthook, threading.Event()
+    unraisable_hook, except_hook, lost = sys.unraisablehook, sys.excepthook, threading.Event()
 
     def interrupt_again() -> None:
         lost.set()
-        over = threading.Event()
-        threading.Thread(target=_interrupt_after, args=(over,), daemon=True).start()
-        over.set()
+        ready = threading.Event()
+        threading.Thread(target=_interrupt_after, args=(ready,), daemon=True).start()
+        ready.set()
 
     def handle_unraisable(what: Any) -> None:
         if isinstance(what.exc_value, KeyboardInterrupt):
             interrupt_again()
         else:
-            before(what)
+            unraisable_hook(what)
 
     def handle_uncaught(kind: type[BaseException], error: BaseException, trace: Any) -> None:
         if issubclass(kind, KeyboardInterrupt):
             interrupt_again()
         else:
-            told(kind, error, trace)
+            except_hook(kind, error, trace)
 
     sys.unraisablehook, sys.excepthook = handle_unraisable, handle_uncaught
     return lost
@@ -102,9 +103,9 @@ INTERRUPT_DELAY_S = 0.02
 """Time for the main thread to leave the code that loses interrupts, s."""
 
 
-def _interrupt_after(over: threading.Event) -> None:
-    """Interrupt the main thread after an event, if possible also while it waits for the system."""
-    over.wait()
+def _interrupt_after(ready: threading.Event) -> None:
+    """Wait for the event and INTERRUPT_DELAY_S, then interrupt the main thread as Ctrl-C does."""
+    ready.wait()
     time.sleep(INTERRUPT_DELAY_S)
     if sys.platform == "win32":
         _thread.interrupt_main()
@@ -113,13 +114,13 @@ def _interrupt_after(over: threading.Event) -> None:
 
 
 def discard_output() -> None:
-    """Discard the remaining standard output, so that Python ends without a message."""
+    """Redirect standard output to nowhere, so that Python exits without an error message."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)
 
 
 def exit_now(code: int) -> NoReturn:
-    """End a process now. Python's own exit waits for threads, or may die of a signal without an exit code."""
+    """Run the exit functions and end the process with an exit code, without waiting for threads."""
     atexit._run_exitfuncs()
     os._exit(code)

@@ -69,7 +69,7 @@ def copy_template(
 
 
 def _rename_template(name: str, target: Path) -> str:
-    """Return the text of a template under the name of its copy."""
+    """Return a template's TOML text with its name replaced by that of the file `target`."""
     from walkergen.core.files import output
     from walkergen.files import templates
 
@@ -77,7 +77,10 @@ def _rename_template(name: str, target: Path) -> str:
 
 
 def _dump_shape(path: Path, target: Path) -> str:
-    """Return the text of the walker in a shape file, in numbers. Raises InputError for other files."""
+    """Return TOML text of the walker made from a drawing, picture or mesh, for the file `target`.
+
+    Legs found automatically are written as numbers. Raises InputError for other files.
+    """
     from walkergen.core.files.config import read_section
     from walkergen.core.walker.design import Design
     from walkergen.files import templates
