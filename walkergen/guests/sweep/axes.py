@@ -64,7 +64,7 @@ class Space(NamedTuple):
         return math.prod((len(axis.values) for axis in self.axes), start=samples)
 
     def rows(self) -> Iterator[tuple[Any, ...]]:
-        """Yield the values of `keys` at each point."""
+        """Yield a tuple with the values of `keys` for each point."""
         grid = itertools.product(*(axis.values for axis in self.axes))
         if self.sample is None:
             yield from grid
@@ -82,7 +82,7 @@ def parse(text: str) -> Axis | Span:
 
 
 def from_text(key: str, value: str, source: str) -> Axis | Span:
-    """Parse the axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
+    """Parse the axis or span of a key from the text after "KEY=". Raises InputError, which begins with `source`."""
     values: list[Any] = []
     pieces = _split_list(value)
     for piece in pieces:
@@ -104,7 +104,10 @@ def from_text(key: str, value: str, source: str) -> Axis | Span:
 
 
 def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
-    """Make an axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
+    """Return the axis of a key with these values, each once.
+
+    Raises InputError, which begins with `source`, for no or too many values, inf, NaN and dates.
+    """
     if not values:
         raise InputError(f"{source}: has no values. Write at least one.")
     if len(values) > MAX_VALUES:
@@ -122,7 +125,7 @@ def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
 
 
 def make_span(key: str, low: float, high: float, source: str) -> Span:
-    """Make the bounds of samples. Raises InputError unless they are finite and rise."""
+    """Return the span of a key. Raises InputError, which begins with `source`, unless low < high, both finite."""
     for end in (low, high):
         _parse_end(str(end), source)
     if not low < high:
@@ -139,7 +142,7 @@ def check_keys(axes: Sequence[Axis | Span]) -> None:
 
 
 def _split_list(text: str) -> list[str]:
-    """Split a list at its commas, except within brackets, braces and quotes."""
+    """Split a text at its commas, except within brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
     for letter in text:
         if quote:
@@ -156,7 +159,10 @@ def _split_list(text: str) -> list[str]:
 
 
 def _range_values(words: Sequence[str], source: str) -> list[float]:
-    """Return the values of FIRST:LAST:STEP with both ends, whole numbers if all three are whole."""
+    """Return the values of a range, both ends included, as int if all words are whole numbers.
+
+    `words`: FIRST, LAST and STEP. Raises InputError, which begins with `source`.
+    """
     first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
         raise InputError(f"{source}: step {step:g} does not lead from first to last")
@@ -171,6 +177,7 @@ def _range_values(words: Sequence[str], source: str) -> list[float]:
 
 
 def _parse_end(word: str, source: str) -> float:
+    """Parse an end or a step of a range. Raises InputError, which begins with `source`, if out of range."""
     value = float(word)
     if not math.isfinite(value):
         raise InputError(f"{source}: {word.strip()} cannot be the end of a range. Write finite numbers.")
@@ -183,14 +190,14 @@ def _parse_end(word: str, source: str) -> float:
 
 
 def _sample_points(sample: Sample) -> Any:
-    """Draw samples, shape (count, spans), rounded to the 9 digits that a table shows."""
+    """Draw random values within the spans, shape (samples, spans), rounded to the 9 digits that a table shows."""
     from scipy.stats import qmc
 
-    wide, rng = len(sample.spans), np.random.default_rng(sample.seed)
+    dimensions, rng = len(sample.spans), np.random.default_rng(sample.seed)
     if sample.method == "latin":
-        cube = qmc.LatinHypercube(wide, rng=rng).random(sample.samples)
+        cube = qmc.LatinHypercube(dimensions, rng=rng).random(sample.samples)
     else:
-        sequence = qmc.Sobol(wide, rng=rng)
+        sequence = qmc.Sobol(dimensions, rng=rng)
         cube = sequence.random_base2(math.ceil(math.log2(max(sample.samples, 1))))[: sample.samples]
     for span, column in zip(sample.spans, cube.T, strict=True):
         digits = 8 - math.floor(math.log10(max(abs(span.low), abs(span.high))))

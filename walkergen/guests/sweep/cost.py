@@ -34,35 +34,35 @@ class Cost(NamedTuple):
 
 
 def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
-    """Estimate the cost from points at even distances; refused and stored points cost nothing.
+    """Estimate time and disk space of a sweep from a few points at even distances.
 
-    None where finding it out would take a good part of the sweep itself.
+    Invalid and stored points cost nothing. Return None if the estimate would take a good part of the sweep itself.
     """
     points, run = sweep.space.points, sweep.scene.run
     costly = sweep.wanted is not None or (sweep.model != PREDICTION and run.accepted_error is not None)
     count = min(PILOT_POINTS, points // PILOT_DIVISOR) if costly else PILOT_POINTS
     if count == 0 or points * (PREDICTION_S if sweep.model == PREDICTION else run.runs * run.seconds) < MIN_SWEEP_S:
         return None
-    pilots = list(_pilots(sweep, count))
+    pilots = list(_pilot_points(sweep, count))
     stored = store.get([point_key(pilot) for pilot in pilots])
     costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
     each_s = run_time.wall_time(sum(costs) / count, points, workers)
     return Cost(points, each_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points)
 
 
-def _pilots(sweep: SweepPoints, count: int) -> Iterator[Point]:
-    """Yield points at even distances, of the first MAX_UNCONFIRMED_POINTS; skip refused ones."""
-    among = min(sweep.space.points, MAX_UNCONFIRMED_POINTS)
-    places = {among * (2 * number + 1) // (2 * count) for number in range(count)}
-    for place, row in enumerate(islice(sweep.space.rows(), among)):
-        if place in places:
+def _pilot_points(sweep: SweepPoints, count: int) -> Iterator[Point]:
+    """Yield up to `count` points at even distances among the first MAX_UNCONFIRMED_POINTS, without invalid ones."""
+    total = min(sweep.space.points, MAX_UNCONFIRMED_POINTS)
+    chosen = {total * (2 * number + 1) // (2 * count) for number in range(count)}
+    for index, row in enumerate(islice(sweep.space.rows(), total)):
+        if index in chosen:
             point = sweep.try_point(dict(zip(sweep.space.keys, row, strict=True)))
             if isinstance(point, Point):
                 yield point
 
 
 def _point_cost(point: Point) -> float:
-    """Return the CPU seconds of a point; 0 for one that cannot be simulated."""
+    """Estimate the CPU seconds of a point; 0 if it cannot be evaluated."""
     try:
         return model_kinds.load_kind(point.kind).cost(point)
     except WalkergenError:
@@ -70,7 +70,7 @@ def _point_cost(point: Point) -> float:
 
 
 def format_cost(cost: Cost | None, points: int) -> str:
-    """Format the cost of so many points as a line."""
+    """Format number of points, time and disk space as a line; only `points` if the cost is unknown (None)."""
     if cost is None:
         return f"{format_number(points, 4)} points"
     needed = f"about {format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"

@@ -64,11 +64,10 @@ class _Slot(NamedTuple):
 
 
 def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
-    """Evaluate points and yield them in their order; those that are evaluated are in the store.
+    """Yield the records of points in their order, from the store or, after they were evaluated, saved in it.
 
-    Without a pool they are evaluated here, in turn. Raises OutputError where the store fails, and
-    WalkergenError when a worker is lost or has another version of walkergen; all that was finished
-    is then in the store.
+    Without a pool this process evaluates them. Raises OutputError if the store fails, and WalkergenError if a worker is
+    lost or has another version of walkergen. Finished records are then in the store.
     """
     stream = iter(points)
     if pool is None:
@@ -87,7 +86,10 @@ def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: Worker
 def _evaluate_by_pool(
     stream: Iterator[PointOrRefusal], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
-    """Evaluate points by a pool; `under_way` holds the tasks whose records are not yet saved."""
+    """Yield the records of points in their order, evaluated by a pool.
+
+    `under_way`: filled here with the tasks, by future, whose records are not yet saved.
+    """
     slots: deque[_Slot] = deque()
     more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
     while more or slots:
@@ -114,7 +116,7 @@ def _evaluate_by_pool(
 
 
 def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Done]:
-    """Evaluate a block in this process; simulated points are saved one by one."""
+    """Yield the records of points in their order, evaluated by this process. Simulated points are saved one by one."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     unsaved: list[tuple[str, Record]] = []
@@ -137,7 +139,7 @@ def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Do
 
 
 def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool) -> list[_Slot]:
-    """Return the places of a block's points, and send the unknown ones to the pool."""
+    """Send the points that are not stored to the pool as tasks, and return a slot for each point of the block."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     fresh = {
@@ -163,12 +165,12 @@ def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool)
 
 
 def _evaluate_task(points: Sequence[Point]) -> Answer:
-    """Evaluate points on a worker, and return their records after a hash of its sources."""
+    """Evaluate points on a worker. Return a hash of its walkergen's sources, and the records."""
     return digest(), [evaluate(point) for point in points]
 
 
 def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
-    """Submit a task and return its future answer. Raises WalkergenError where the workers have ended."""
+    """Submit points to the pool as a task and return its future. Raises WalkergenError if the workers have ended."""
     try:
         return pool.executor.submit(_evaluate_task, list(points.values()))
     except BrokenExecutor as error:
@@ -176,17 +178,17 @@ def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]"
 
 
 def _is_lost(task: _Task) -> bool:
-    """Return whether an answer did not arrive and should be requested again.
+    """Return whether a finished task failed for the first time, so that it should be submitted again.
 
-    While a worker of a cluster dies, *distributed* can take the answer that it has just sent for an error, and
-    stumbles over its form. What the points themselves raise comes again.
+    While a worker of a cluster ends, *distributed* can fail on a valid answer. An error in the points themselves is
+    raised again by the second try.
     """
     error = task.future.exception()
     return not task.again and error is not None and not isinstance(error, (BrokenExecutor, ImportError))
 
 
 def _task_records(future: "Future[Answer]") -> list[Record]:
-    """Return the records from a worker. Raises WalkergenError."""
+    """Return the records of a finished task. Raises WalkergenError if it failed or its worker has other sources."""
     try:
         sources, records = future.result()
     except BrokenExecutor as error:
@@ -202,7 +204,7 @@ def _task_records(future: "Future[Answer]") -> list[Record]:
 
 
 def _finish_slot(slot: _Slot) -> Done:
-    """Return the point of a slot whose task has ended."""
+    """Return the evaluated point of a slot. Its task, if it has one, has ended."""
     if slot.done is not None:
         return slot.done
     assert slot.task is not None

@@ -34,9 +34,9 @@ STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 
 
 def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
-    """Draw a number over the keys, without keys that have a single value.
+    """Draw a number of all points against the keys that vary, as lines, a map, small multiples or clouds.
 
-    One key at least has two values, and one point a value.
+    At least one key must have two values, and one point a number.
     """
     scales = [make_scale(key, columns.keys[key]) for key in keys]
     scales = [scale for scale in scales if len(scale.values) > 1]
@@ -53,7 +53,10 @@ def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
 
 
 def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
-    """Draw a figure of one panel: lines, or a map."""
+    """Draw one panel for one or two keys: lines or a map.
+
+    `ranked`: the scales, that of the x axis first.
+    """
     with _make_sheet(title, 1) as (drawn, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
         if _has_lines(scales):
@@ -70,32 +73,32 @@ def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Sca
 
 
 def _has_lines(scales: Sequence[Scale]) -> bool:
-    """Return whether one or two keys are drawn as lines; a map needs many values of both keys."""
+    """Return whether one or two keys are drawn as lines. Two keys with more than MAX_LINES values make a map."""
     return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MAX_LINES
 
 
 def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
-    """Draw a panel for each value of the key that has the fewest."""
-    apart = min(scales, key=lambda scale: len(scale.values))
-    others = [scale for scale in scales if scale is not apart]
-    shown = _spread_numbers(len(apart.values), MAX_PANELS)
-    if left := len(apart.values) - len(shown):
-        title += f"; {left} of {len(apart.values)} values of {apart.key} left out"
-    inside = np.isin(apart.which, shown)
-    columns, apart, *others = _select_rows(columns, inside, (apart, *others))
+    """Draw three keys: a panel of lines, or a map, for each value of the key with the fewest values."""
+    panel_scale = min(scales, key=lambda scale: len(scale.values))
+    others = [scale for scale in scales if scale is not panel_scale]
+    shown = _spread_numbers(len(panel_scale.values), MAX_PANELS)
+    if left := len(panel_scale.values) - len(shown):
+        title += f"; {left} of {len(panel_scale.values)} values of {panel_scale.key} left out"
+    inside = np.isin(panel_scale.which, shown)
+    columns, panel_scale, *others = _select_rows(columns, inside, (panel_scale, *others))
     ranked = sorted(others, key=lambda scale: (scale.words, -len(scale.values)))
-    with _make_sheet(title, len(shown)) as (drawn, panels, wide):
+    with _make_sheet(title, len(shown)) as (drawn, panels, in_row):
         norm = draw.make_norm(columns.value)
         for place, (number, axes) in enumerate(zip(shown, panels, strict=True)):
-            rows = apart.which == number
+            rows = panel_scale.which == number
             if _has_lines(others):
                 draw.draw_lines(axes, columns, ranked[0], ranked[1], rows)
             else:
                 draw.draw_map(axes, columns, others[0], others[1], rows, norm)
-            axes.set_title(format_value(apart, number))
-            if place + wide < len(panels):
+            axes.set_title(format_value(panel_scale, number))
+            if place + in_row < len(panels):
                 axes.xaxis.label.set_visible(False)
-            if place % wide:
+            if place % in_row:
                 axes.yaxis.label.set_visible(False)
             elif _has_lines(others):
                 axes.set_ylabel(draw.value_label(columns))
@@ -109,7 +112,7 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
 
 
 def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
-    """Draw points on no grid: two keys with the number as colour, otherwise a panel for each key."""
+    """Draw points that form no grid: two keys with the number as colour, others with a panel for each key."""
     if len(scales) == 2:
         with _make_sheet(title, 1) as (drawn, (axes,), _):
             norm = draw.make_norm(columns.value)
@@ -120,25 +123,25 @@ def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figur
     if left := len(scales) - MAX_PANELS:
         scales = scales[:MAX_PANELS]
         title += f"; {left} keys left out" if left > 0 else ""
-    with _make_sheet(title, len(scales)) as (drawn, panels, wide):
+    with _make_sheet(title, len(scales)) as (drawn, panels, in_row):
         for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
             draw.draw_dots(axes, columns, scale, np.ones(len(columns.value), dtype=bool), LINE_STYLES[0], 0, False)
             format_axis(axes, "x", scale)
-            if place % wide == 0:
+            if place % in_row == 0:
                 axes.set_ylabel(draw.value_label(columns, draw.MAX_CLOUD_BARS))
         _draw_legend(drawn, _mark_handles(columns))
     return drawn
 
 
-def _spread_numbers(count: int, most: int) -> list[int]:
-    """Return at most `most` numbers of `count` values, including the first and the last."""
-    if count <= most:
+def _spread_numbers(count: int, max_count: int) -> list[int]:
+    """Return at most `max_count` evenly spread integers from 0 to count - 1, both included."""
+    if count <= max_count:
         return list(range(count))
-    return [round(place * (count - 1) / (most - 1)) for place in range(most)]
+    return [round(place * (count - 1) / (max_count - 1)) for place in range(max_count)]
 
 
 def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
-    """Select the columns and scales of some rows."""
+    """Return the columns, without their keys, and the scales of the rows where the mask `rows` is True."""
     kept = Columns(
         {},
         columns.value[rows],
@@ -155,35 +158,35 @@ def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple
 
 @contextmanager
 def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
-    """Make an empty figure with its title, its panels, and their number in a row.
+    """Yield an empty figure with a title, its `count` panels, and the number of panels in a row.
 
-    One panel is as wide as a column, and so are two side by side; more fill a page.
+    It is as wide as a column for one or two panels in a row, and as a page for more.
     """
-    wide = 1 if count == 1 else 2 if count in (2, 4) else 3 if count <= 6 else 4
-    width = COLUMN_INCHES if wide < 3 else PAGE_INCHES
-    rows = -(-count // wide)
-    tall = 2.4 if count == 1 else 1.75
-    drawn = Figure(figsize=(width, rows * tall + 0.3), layout="constrained", dpi=300)
-    grid = drawn.subplots(rows, wide, squeeze=False, sharey=count > 1)
+    in_row = 1 if count == 1 else 2 if count in (2, 4) else 3 if count <= 6 else 4
+    width = COLUMN_INCHES if in_row < 3 else PAGE_INCHES
+    rows = -(-count // in_row)
+    panel_height = 2.4 if count == 1 else 1.75
+    drawn = Figure(figsize=(width, rows * panel_height + 0.3), layout="constrained", dpi=300)
+    grid = drawn.subplots(rows, in_row, squeeze=False, sharey=count > 1)
     panels = list(grid.flat)
     for axes in panels[count:]:
         axes.remove()
     drawn.suptitle(wrap_text(title, width - 0.1))
-    yield drawn, panels[:count], wide
+    yield drawn, panels[:count], in_row
 
 
 def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
-    """Draw the scale of the colours, no longer than the range of the numbers."""
+    """Draw the colour bar of panels, limited to the range of the numbers."""
     mapped = matplotlib.cm.ScalarMappable(norm, draw.colour_map(norm))
     bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
     if np.ptp(shown := columns.value[~columns.missing]):
         bar.ax.set_ylim(shown.min(), shown.max())
 
 
-def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
-    """Return the legend entries for lines, and for problems of their points."""
+def _line_handles(columns: Columns, scales: Sequence[Scale]) -> list[Any]:
+    """Return the legend entries for a line for each value of these scales, and for points with problems."""
     handles: list[Any] = []
-    for scale in by:
+    for scale in scales:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), LINE_STYLES, strict=False):
             handles.append(
                 Line2D(
@@ -199,7 +202,7 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
 
 
 def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
-    """Return the legend entries for points without a number, and for doubtful ones."""
+    """Return the legend entries for points without a number (hatched cells or crosses), and for doubtful points."""
     name = columns.label.partition(" (")[0]
     missing, doubtful = int(columns.missing.sum()), int(columns.doubtful.sum())
     handles: list[Any] = []
@@ -216,8 +219,9 @@ def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
 
 
 def _draw_legend(drawn: Figure, handles: Sequence[Any]) -> None:
+    """Add a legend below the panels, and make the figure taller for it."""
     if not handles:
         return
-    wide = 2 if drawn.get_figwidth() < PAGE_INCHES else 5
-    drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // wide))
-    drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=wide, handlelength=2.8)
+    entries = 2 if drawn.get_figwidth() < PAGE_INCHES else 5
+    drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // entries))
+    drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=entries, handlelength=2.8)

@@ -31,7 +31,10 @@ MAX_LOCAL_POINTS = 512
 
 
 def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepReport:
-    """Evaluate all points of a request, in this process or in several."""
+    """Evaluate all points of a request, in this process or in several, and return the report.
+
+    `expect`: receives a function that estimates the time.
+    """
     sweep = sweep_setup.read_points(request)
     folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
     few = not request.from_shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
@@ -39,7 +42,7 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
         workers = 1 if pool is None else pool.workers
 
         def estimate() -> cost.Cost | None:
-            """Estimate the cost of this sweep."""
+            """Estimate the cost of this sweep; None if it is small."""
             return cost.estimate(sweep, store, workers)
 
         if not request.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
@@ -55,12 +58,11 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
 def make_sweep(
     request: SweepRequest, sweep: SweepPoints, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
-    """Evaluate all points of a sweep into a folder: table.csv, table.parquet, and pictures.
+    """Evaluate all points of a sweep, write table.csv, table.parquet and pictures to a folder, and return the report.
 
-    Pictures are sweep.png and .pdf, of crowds one of each statistic. Points that the store already has are not
-    evaluated again. The table grows row by row, and finished rows are always kept. Raises InputError if another sweep
-    writes there or a file there is not ours, OutputError when a file cannot be written, WalkergenError when a worker is
-    lost, and KeyboardInterrupt with a complete table.
+    Stored points are not evaluated again. The table grows row by row, and finished rows are always kept. Raises
+    InputError if another sweep writes to the folder or it has a foreign file of that name, OutputError when a file
+    cannot be written, WalkergenError when a worker is lost, and KeyboardInterrupt with a complete table.
     """
     started = time.perf_counter()
     sweep.check()
@@ -69,7 +71,7 @@ def make_sweep(
         folder.claim()
         if earlier := _load_finished(request, sweep, folder):
             return earlier
-        warnings = _set_aside(folder)
+        warnings = _rename_changed_table(folder)
         points = Points(sweep.columns, request.keeps_rows or drawn)
         folder.start_growing_file(table.TABLE_FILE)
         with Table(path / table.TABLE_FILE, sweep.space.keys, points.names) as rows:
@@ -77,14 +79,14 @@ def make_sweep(
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
         result = report.make_report(sweep, points, warnings, request.wish)
-        _write_rest(sweep, folder, result, drawn, time.perf_counter() - started)
+        _write_other_files(sweep, folder, result, drawn, time.perf_counter() - started)
     return report.add_files(result, path, list(folder.hashes))
 
 
 def evaluate_all(
     request: SweepRequest, sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
-    """Evaluate all points of a sweep, without a folder. Raises as `make_sweep` does."""
+    """Evaluate all points of a sweep and return the report, without files. Raises as `make_sweep` does."""
     points = Points(sweep.columns, kept=True)
     for values, done in _evaluate_points(sweep, store, pool, progress):
         points.add(values, done)
@@ -94,7 +96,7 @@ def evaluate_all(
 def _evaluate_points(
     sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
-    """Yield the values of the keys at each point, and the evaluated point."""
+    """Yield each point's values of the varied keys, and the evaluated point."""
     points = zip(sweep.space.rows(), evaluation.evaluate_points(sweep.points(), store, pool), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
@@ -102,9 +104,9 @@ def _evaluate_points(
 
 
 def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) -> SweepReport | None:
-    """Return the report of an earlier run of the same sweep if all of its files are unchanged.
+    """Return the report of an earlier run of the same sweep in the folder, if all of its files are unchanged.
 
-    None if the rows are wanted: the manifest does not contain them.
+    Return None otherwise, if pictures are missing, or if rows are requested, which the manifest does not contain.
     """
     facts = folder.earlier_manifest()
     if request.keeps_rows or facts.get("request") != _sweep_hash(sweep) or not folder.is_unchanged():
@@ -139,29 +141,29 @@ def _sweep_facts(sweep: SweepPoints) -> dict[str, Any]:
     }
 
 
-def _set_aside(folder: Folder) -> list[str]:
-    """Keep an earlier table with a user's changes under another name, and report it.
+def _rename_changed_table(folder: Folder) -> list[str]:
+    """Rename an earlier table in the folder if a user has changed it, and return a warning about that.
 
-    A user's changes are kept but not trusted. Raises InputError for a file that is no table of a sweep.
+    Raises InputError for a file that is no table of a sweep.
     """
-    place = folder.path / table.TABLE_FILE
-    if not place.exists():
+    path = folder.path / table.TABLE_FILE
+    if not path.exists():
         return []
-    lines = table.find_changed_lines(place)
+    lines = table.find_changed_lines(path)
     if not lines and folder.is_file_unchanged(table.TABLE_FILE):
         return []
     kept = _free_path(folder.path / "table.edited.csv")
     try:
-        place.replace(kept)
+        path.replace(kept)
     except OSError as error:
         raise output.write_error(kept, error) from None
     where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
     which = f" in line {where}" if lines else ""
-    return [f"{place}: was changed by hand{which}. All points were evaluated again. Your table is now {kept.name}"]
+    return [f"{path}: was changed by hand{which}. All points were evaluated again. Your table is now {kept.name}"]
 
 
 def _free_path(path: Path) -> Path:
-    """Name that is not taken: the path, or the path with a number."""
+    """Return the path or, if it exists, the path with the lowest free number added to its name."""
     number = 1
     free = path
     while free.exists():
@@ -170,8 +172,8 @@ def _free_path(path: Path) -> Path:
     return free
 
 
-def _write_rest(sweep: SweepPoints, folder: Folder, result: SweepReport, drawn: bool, seconds: float) -> None:
-    """Write Parquet, pictures and the manifest of a finished table."""
+def _write_other_files(sweep: SweepPoints, folder: Folder, result: SweepReport, drawn: bool, seconds: float) -> None:
+    """Write Parquet, pictures (if `drawn`) and the manifest of a finished table. `seconds`: time that it took."""
     folder.add_grown_file(table.TABLE_FILE)
     numeric = {axis.key: all(map(is_number, axis.values)) for axis in sweep.space.axes}
     keys = {key: numeric.get(key, True) for key in sweep.space.keys}

@@ -16,30 +16,31 @@ BOUND_COLUMNS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "pred
 
 
 def check_speed(names: Sequence[str]) -> None:
-    """Refuse a desired speed where the table has no speeds. Raises InputError."""
+    """Raise InputError if the columns `names` of a table have no speed to compare with a desired one."""
     if SPEED_COLUMN not in names:
         raise InputError("‹wish›: the points have no speed. Add speed to ‹keep›.", "wish")
 
 
 def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
-    """Return a table with the points nearest to a desired speed first, a part of it for people.
+    """Return the table sorted by distance from a desired speed, mm/s. `keys`: columns of the varied keys.
 
-    Points whose checks found print errors come after the others, points without a speed last.
+    Points with print errors come after the others, points without a speed last. Only the first MAX_SHOWN are displayed.
     """
     speed = table.keys.index(SPEED_COLUMN)
     errors = table.keys.index("print_errors") if "print_errors" in table.keys else None
 
-    def distance(row: Sequence[Any]) -> tuple[bool, bool, float]:
+    def sort_key(row: Sequence[Any]) -> tuple[bool, bool, float]:
+        """Return whether the speed is missing, whether there are print errors, and the distance."""
         value = row[speed]
         return value is None, errors is not None and bool(row[errors]), abs((value or 0.0) - wish)
 
-    rows = sorted(table.rows, key=distance)
-    usable = [row for row in rows if not any(distance(row)[:2])]
+    rows = sorted(table.rows, key=sort_key)
+    usable = [row for row in rows if not any(sort_key(row)[:2])]
     return replace(table, rows=rows, columns=_columns(table.keys, keys), read=usable[:MAX_SHOWN])
 
 
 def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Return the displayed columns: the varied keys, the speed and its bounds."""
+    """Return the displayed columns: the varied `keys`, the speed and its bounds. `names`: columns of the rows."""
     columns = [_column(key, (names.index(key),), format_value) for key in keys]
     columns.append(_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
     for low, high in BOUND_COLUMNS:
@@ -49,11 +50,11 @@ def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
     return columns
 
 
-def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Column:
-    """Make a column with the text of the values at these places of a row."""
-    return Column(heading, lambda row: text(*(row[place] for place in places)), right=True)
+def _column(heading: str, indices: Sequence[int], format_values: Callable[..., str]) -> Column:
+    """Return a column that formats the values at these indices of a row as one text."""
+    return Column(heading, lambda row: format_values(*(row[index] for index in indices)), right=True)
 
 
 def _format_span(low: float | None, high: float | None) -> str:
-    """Format bounds as text, empty where they are unknown."""
+    """Format two bounds as text; "" if one is unknown."""
     return "" if low is None or high is None else format_range(low, high)

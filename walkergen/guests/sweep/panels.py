@@ -72,19 +72,19 @@ class Columns(NamedTuple):
 
     @property
     def missing(self) -> Mask:
-        """Points that have no number."""
+        """True for points that have no number, shape (n,)."""
         missing: Mask = np.isnan(self.value)
         return missing
 
     @property
     def doubtful(self) -> Mask:
-        """Points with a doubtful number."""
+        """True for points that have a number, but a status other than "ok", shape (n,)."""
         doubtful: Mask = np.array([status != PointStatus.OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
 
 
 def make_norm(value: Array) -> Normalize:
-    """Return the colour scale of all numbers of a figure, with zero in the middle if both signs occur."""
+    """Return the colour scale for all numbers of a figure, centred on zero if both signs occur."""
     low, high = float(np.nanmin(value)), float(np.nanmax(value))
     if low < 0.0 < high:
         return CenteredNorm(0.0, max(-low, high))
@@ -92,12 +92,12 @@ def make_norm(value: Array) -> Normalize:
 
 
 def colour_map(norm: Normalize) -> str:
-    """Return the colours of a map, safe for colour blindness: white at zero if centred, else evenly lighter."""
+    """Return the name of a colour map that is safe for colour blindness: diverging if `norm` is centred on zero."""
     return "PuOr" if isinstance(norm, CenteredNorm) else "cividis"
 
 
 def _line_colour(norm: Normalize, value: float) -> str:
-    """Return the colour of a line on a map at a value."""
+    """Return the colour, black or white, of a contour that is visible on the map's colour at its value."""
     share = float(norm(value))
     dark = abs(share - 0.5) > 0.3 if isinstance(norm, CenteredNorm) else share < 0.5
     return "white" if dark else "black"
@@ -106,11 +106,14 @@ def _line_colour(norm: Normalize, value: float) -> str:
 # Lines
 
 
-def draw_lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) -> None:
-    """Draw a number over x, a line for each value of another key."""
-    count = 1 if by is None else len(by.values)
+def draw_lines(axes: Axes, columns: Columns, x: Scale, line_scale: Scale | None, rows: Mask) -> None:
+    """Draw the number of the chosen rows over the key `x`, with a line for each value of the key `line_scale`.
+
+    `rows`: True for points to draw, shape (n,).
+    """
+    count = 1 if line_scale is None else len(line_scale.values)
     for number in range(count):
-        chosen = rows if by is None else rows & (by.which == number)
+        chosen = rows if line_scale is None else rows & (line_scale.which == number)
         shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
         draw_dots(axes, columns, x, chosen, LINE_STYLES[number], number, not x.words, shift)
     format_axis(axes, "x", x)
@@ -131,9 +134,10 @@ def draw_dots(
     joined: bool,
     shift: float = 0.0,
 ) -> None:
-    """Draw points with their bounds, joined by a line where that has a meaning.
+    """Draw the points of one line with their bounds over the key `x`, joined by a line if `joined`.
 
-    Those without a number stand as crosses at the foot, the higher the later their line.
+    `rows`: True for points to draw, shape (n,). `style`: colour, dash and marker. `shift`: added to x. Points without a
+    number are crosses at the bottom, higher for a larger `number` of the line.
     """
     colour, dash, marker = style
     order = np.flatnonzero(rows)[np.argsort(x.at[rows], kind="stable")]
@@ -176,9 +180,9 @@ def draw_dots(
         axes.plot(missing, height, "x", color=colour, transform=foot, clip_on=False)
 
 
-def value_label(columns: Columns, most: int | None = None) -> str:
-    """Return the label of an axis of numbers, with the meaning of bars and bands if there are any."""
-    bounded = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
+def value_label(columns: Columns, max_points: int | None = None) -> str:
+    """Return the axis label of the number, which mentions its bounds if they are drawn: for at most `max_points`."""
+    bounded = np.isfinite(columns.low).any() and (max_points is None or len(columns.low) <= max_points)
     return f"{columns.label}, bounds of 95 %" if bounded else columns.label
 
 
@@ -186,7 +190,10 @@ def value_label(columns: Columns, most: int | None = None) -> str:
 
 
 def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
-    """Draw a number over two keys: a cell for each point, and contours where both are numbers and few are missing."""
+    """Draw the number of the chosen rows over two keys: a coloured cell for each point, and contours.
+
+    Contours need numeric keys and few missing numbers. `rows`: True for points to draw, shape (n,).
+    """
     value = np.full((len(y.values), len(x.values)), np.nan)
     value[y.which[rows], x.which[rows]] = columns.value[rows]
     mesh = axes.pcolormesh(cell_edges(x), cell_edges(y), value, cmap=colour_map(norm), norm=norm, rasterized=True)
@@ -205,7 +212,7 @@ def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm:
 
 
 def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
-    """Hatch the cells of points that have no number."""
+    """Hatch the cells of points for which `missing`, shape (n,), is True."""
     across, up = cell_edges(x), cell_edges(y)
     cells = [
         [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
@@ -215,7 +222,7 @@ def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
 
 
 def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize) -> None:
-    """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
+    """Draw labelled contours of `value`, shape (y values, x values), dashed below zero."""
     levels = MaxNLocator(7).tick_values(value.min(), value.max())
     levels = levels[(levels > value.min()) & (levels < value.max())]
     if not len(levels):
@@ -235,14 +242,14 @@ def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize
 
 
 def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
-    """Place at most one label on each line: where other lines are farthest, if far enough.
+    """Return points for labels, at most one on each line: where other lines are farthest, if far enough.
 
-    Distances count in widths and heights of the panel.
+    `lines`: contours, shape (n, 2) each, in data units. Distances are measured in widths and heights of the panel.
     """
     axes.autoscale_view()
-    within = axes.transScale + axes.transLimits
+    to_panel = axes.transScale + axes.transLimits
     lines = [line[:: 1 + len(line) // MAX_CORNERS] for line in lines]
-    shares = [within.transform(line) for line in lines]
+    shares = [to_panel.transform(line) for line in lines]
     chosen: list[Array] = []
     places: list[Array] = []
     for number, share in enumerate(shares):
@@ -262,7 +269,7 @@ def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
 
 
 def draw_scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
-    """Draw points in a plane of two keys, coloured by their number."""
+    """Draw points in the plane of two keys, coloured by their number, crosses for missing numbers."""
     good = ~columns.missing & ~columns.doubtful
     look: Any = {"cmap": colour_map(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
     axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)

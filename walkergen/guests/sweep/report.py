@@ -35,11 +35,11 @@ class Points:
     rows: list[tuple[Any, ...]] = field(default_factory=list)
 
     def add(self, values: Sequence[Any], done: Done) -> None:
-        """Count a point, and keep its row where rows are kept."""
+        """Count a point, and store its row if `kept`. `values`: of the varied keys."""
         self.count += 1
         self.stored += done.stored
-        if (how := str(done.record[WENT_KEY])) != PointStatus.OK:
-            self.bad[how] = self.bad.get(how, 0) + 1
+        if (status := str(done.record[WENT_KEY])) != PointStatus.OK:
+            self.bad[status] = self.bad.get(status, 0) + 1
         if self.kept:
             self.rows.append((*values, *map(done.record.get, self.names)))
 
@@ -58,9 +58,9 @@ class SweepReport(Report):
 def make_report(
     sweep: SweepPoints, points: Points, warnings: Sequence[str] = (), wish: float | None = None
 ) -> SweepReport:
-    """Make the report of points; without kept rows its table is empty, and there is no figure.
+    """Return the report of evaluated points. Without stored rows its table is empty, and there is no figure.
 
-    The warnings concern an earlier table in the folder. With a desired speed, `wish`, the nearest points come first.
+    `warnings`: about an earlier table in the folder. `wish`: desired speed, mm/s: the nearest points come first.
     """
     keys, title = sweep.space.keys, sweep.title
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
@@ -82,12 +82,13 @@ def make_report(
 
 
 def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
-    """Return the report with the names of the files that were written into a folder."""
+    """Return the report with the `names` of files that were written to a folder."""
     facts = {**report.facts, "files": [str(folder / name) for name in names]}
     return replace(report, facts=facts, lines=[*report.lines, f"in {folder}: {', '.join(names)}"])
 
 
 def _count_lines(points: Points) -> list[str]:
+    """Return the lines on the number of points: all, those stored before, and those with problems."""
     before = f", {points.stored} of them stored before" if points.stored else ""
     counted = f"{points.count} points{before}"
     if points.stored == points.count:
@@ -99,9 +100,9 @@ def _count_lines(points: Points) -> list[str]:
 def _draw_functions(
     rows: Table, keys: Sequence[str], pictures: Sequence[Picture]
 ) -> "Mapping[str, Callable[[], Figure]]":
-    """Return a function for each number of the points that draws it against the keys: lines, a map or clouds.
+    """Return functions that draw the figures, by file name: one for each number in `pictures`.
 
-    Empty if no key has two values, because there is nothing to compare. Numbers that no point has are left out.
+    Numbers that no point has are left out. There are no figures if no key has two values.
     """
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
     if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
@@ -114,7 +115,7 @@ def _draw_functions(
 
 
 def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
-    """Draw one number of the points, with its bounds if known, against the keys that vary."""
+    """Draw one number of the points in `rows`, with its bounds if known, against the varied `keys`."""
     from walkergen.guests.sweep import figures
     from walkergen.guests.sweep.panels import Columns
 

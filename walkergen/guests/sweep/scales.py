@@ -38,12 +38,12 @@ class Scale(NamedTuple):
 
     @property
     def at(self) -> Array:
-        """Places of the rows on the axis."""
+        """Positions of the rows on the axis, shape (n,)."""
         return self.places[self.which]
 
 
 def make_scale(key: str, values: Sequence[Any]) -> Scale:
-    """Scale of a key by its values at one row at least; of words where one is no number."""
+    """Return the scale of a key from its values in all rows. If one is no number, all count as words."""
     words = not all(is_number(value) for value in values)
     seen = [_to_word(value) if words else value for value in values]
     distinct = list(dict.fromkeys(seen)) if words else sorted(set(seen))
@@ -56,11 +56,12 @@ def make_scale(key: str, values: Sequence[Any]) -> Scale:
 
 
 def _to_word(value: Any) -> str:
+    """Return a value as text, with None, True and False in lower case."""
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
 def format_value(scale: Scale, number: int, named: bool = True) -> str:
-    """Format one value of a scale: "tilt of the legs 10 deg" or, not named, "10 deg"."""
+    """Format the value with index `number` of a scale: "tilt of the legs 10 deg" or, if not `named`, "10 deg"."""
     name, _, unit = format_key(scale.key).partition(" (")
     value = scale.values[number]
     shown = value if scale.words else f"{value:.5g}"
@@ -69,7 +70,7 @@ def format_value(scale: Scale, number: int, named: bool = True) -> str:
 
 
 def cell_edges(scale: Scale) -> Array:
-    """Return the edges of the cells about the values, half-way to the next; one more than there are values."""
+    """Return the edges of cells around the values of a scale, half-way between neighbours, shape (values + 1,)."""
     places = np.log(scale.places) if scale.log else scale.places
     if len(places) == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])
@@ -79,7 +80,7 @@ def cell_edges(scale: Scale) -> Array:
 
 
 def format_axis(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
-    """Name an axis, and make it logarithmic, or of words, where its scale is."""
+    """Set label, scaling (linear or logarithmic) and ticks of the x or y axis for the scale of a key."""
     axis = axes.xaxis if direction == "x" else axes.yaxis
     axis.set_label_text(wrap_text(format_key(scale.key), NAME_INCHES))
     if scale.log:
@@ -89,8 +90,8 @@ def format_axis(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
     elif scale.words:
-        every = -(-len(scale.values) // MAX_WORD_TICKS)
-        shown = [word if len(word) <= 14 else word[:13] + "…" for word in scale.values][::every]
-        axis.set_ticks(scale.places[::every].tolist(), shown)
+        stride = -(-len(scale.values) // MAX_WORD_TICKS)
+        shown = [word if len(word) <= 14 else word[:13] + "…" for word in scale.values][::stride]
+        axis.set_ticks(scale.places[::stride].tolist(), shown)
         if direction == "x" and sum(map(len, shown)) > 30:
             axes.tick_params(axis="x", rotation=30)

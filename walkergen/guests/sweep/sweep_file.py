@@ -55,6 +55,7 @@ class Contents(Section):
     @field_validator("model")
     @classmethod
     def _check_model(cls, name: str | None) -> str | None:
+        """Raise ValueError for an unknown model."""
         if name is not None and name not in model_kinds.ALL_MODELS:
             raise ValueError(f"{name[:30]!r}: must be one of {', '.join(model_kinds.ALL_MODELS)}")
         return name
@@ -62,11 +63,14 @@ class Contents(Section):
     @field_validator("keep")
     @classmethod
     def _check_groups(cls, names: list[str] | None) -> list[str] | None:
+        """Raise ValueError for an unknown group of numbers."""
         for name in names or ():
             if not any(name in model_kinds.load_kind(kind).GROUPS for kind in model_kinds.KIND_MODULES):
                 groups = {kind: ", ".join(model_kinds.load_kind(kind).GROUPS) for kind in model_kinds.KIND_MODULES}
-                every = "; ".join(f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items())
-                raise ValueError(f"{name[:30]!r}: must be one of {every}")
+                allowed = "; ".join(
+                    f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items()
+                )
+                raise ValueError(f"{name[:30]!r}: must be one of {allowed}")
         return names
 
 
@@ -136,15 +140,15 @@ def read_sweep(path: Path) -> SweepFile:
 
 
 def _format_place(table: str, key: str, source: str, text: str) -> str:
-    """Format the beginning of a line on a key of a table: file, line and key."""
+    """Return the beginning of a message on a key of a table: file, line and key. `text`: contents of the file."""
     location = (*table.split("."), *key.split("."))
     return f"{config.format_location(location, source, text)}: {shorten_line(f'{table}.{key}')}"
 
 
 def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:
-    """Flatten nested tables in the KEY_TABLES of a file to dotted keys.
+    """Return a file's data with the tables in KEY_TABLES flattened to dotted keys.
 
-    Raises InputError for a key that is written in both forms.
+    `source` and `text`: name and contents of the file. Raises InputError for a key that is written in both forms.
     """
     flat = dict(data)
     for *path, last in KEY_TABLES:
@@ -166,7 +170,7 @@ def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str
 
 
 def _dotted_pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted keys of nested tables, and their values."""
+    """Yield the dotted keys of nested tables, and their values. `before`: prefix of the keys."""
     for key, value in table.items():
         if isinstance(value, dict) and value:
             yield from _dotted_pairs(value, f"{before}{key}.")
@@ -175,7 +179,7 @@ def _dotted_pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[
 
 
 def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
-    """Return an error line for each key unknown to design and scene, and for each key in two tables."""
+    """Yield a message for each key that neither design nor scene has, and for each key in two tables."""
     between = contents.sample.between if contents.sample else {}
     seen: dict[str, str] = {}
     tables = (("set", contents.set), ("grid", contents.grid), ("sample.between", between))
@@ -192,7 +196,10 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
 
 
 def _parse_axis(key: str, value: Any, place: str) -> Axis:
-    """Parse an axis from a text as on the command line, a list of values, or one value. Raises InputError."""
+    """Return the axis of a key from text as on the command line, a list of values, or one value.
+
+    Raises InputError, which begins with `place`.
+    """
     if isinstance(value, str):
         axis = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(axis, Span):
@@ -208,7 +215,7 @@ def _parse_axis(key: str, value: Any, place: str) -> Axis:
 
 
 def _parse_span(key: str, value: Any, place: str) -> Span:
-    """Parse the bounds of samples from a text or a list of two numbers. Raises InputError."""
+    """Return the span of a key from text "LOW:HIGH" or two numbers. Raises InputError, which begins with `place`."""
     if isinstance(value, str):
         span = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(span, Span):

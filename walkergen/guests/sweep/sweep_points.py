@@ -58,7 +58,7 @@ class SweepPoints(NamedTuple):
         return (*self.kind.columns(self.model, self.keep), STATUS_KEY)
 
     def check(self) -> None:
-        """Refuse unknown keys, values, groups and models before anything runs. Raises InputError."""
+        """Raise InputError for unknown keys, values, groups of numbers and models, before any point is evaluated."""
         model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(f"‹error=›{self.wanted}: a prediction has no runs. Use ‹model=›space.")
@@ -82,7 +82,10 @@ class SweepPoints(NamedTuple):
         raise InputError(f"all {len(reasons)} points are invalid: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
-        """Refuse text, a list or a table that its key never takes; numbers out of range become rows with an error."""
+        """Raise InputError for a text, list or table that its key never accepts.
+
+        Numbers out of range are no error here, they become rows with an error.
+        """
         source = "‹set›" if self.file is None else f"{self.file}: grid"
         try:
             change_keys(self.design, self.scene, {key: value}, source, self.data)
@@ -96,21 +99,21 @@ class SweepPoints(NamedTuple):
                 raise InputError(error.text.replace(f"{source}: ", f"{source}."), *error.keys) from None
 
     def try_point(self, values: Mapping[str, Any]) -> PointOrRefusal:
-        """Return the point at values of the keys, or the record of a refused one."""
+        """Return the point with these values of the keys, or the record of an invalid point."""
         try:
             return self.point(values)
         except WalkergenError as error:
             return refused_record(error)
 
     def point(self, values: Mapping[str, Any]) -> Point:
-        """Return the point at values of the keys. Raises InputError for one that cannot be built."""
+        """Return the point with these values of the keys. Raises WalkergenError if it is invalid."""
         design, scene = change_keys(self.design, self.scene, values, data=self.data)
         if (kind := model_kinds.kind_of(self.model)) != ALONE:
             return Point(design, scene, True, (), kind=kind)
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
     def points(self) -> Iterator[PointOrRefusal]:
-        """Yield all points, in the order of `space.rows`."""
+        """Yield all points, or records of invalid points, in the order of `space.rows`."""
         keys = self.space.keys
         for row in self.space.rows():
             yield self.try_point(dict(zip(keys, row, strict=True)))
@@ -126,7 +129,7 @@ def check_key(key: str, source: str) -> None:
 
 
 def check_single_key(key: str, source: str) -> None:
-    """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
+    """Raise InputError, which begins with `source`, for a key that applies only to crowds."""
     if model_kinds.kind_of_key(key) == "crowd":
         raise InputError(f"{source}: is only for crowds. Leave ‹model› out, or give ‹model=›crowd.")
 
@@ -138,15 +141,17 @@ def change_keys(
     source: str = "‹set›",
     data: Mapping[str, Any] | None = None,
 ) -> tuple[Design, Scene]:
-    """Return design and scene with other values of dotted keys; those of the scene begin with "scene.".
+    """Return design and scene with other values, by dotted key. Keys of the scene begin with "scene.".
 
-    The design's are set in the data of its file, where these are known. Raises InputError, or
-    GeometryError, with a line for every mistake.
+    `data`: data of the design's file, if known: the values are set in it. Raises InputError or GeometryError, with a
+    line, which begins with `source`, for every mistake.
     """
-    of_design = {key: value for key, value in values.items() if not key.startswith(SCENE_PREFIX)}
-    of_scene = {key.removeprefix(SCENE_PREFIX): value for key, value in values.items() if key.startswith(SCENE_PREFIX)}
-    if data is None or not of_design:
-        varied = assignments.replace_values(design, of_design, source)
+    design_values = {key: value for key, value in values.items() if not key.startswith(SCENE_PREFIX)}
+    scene_values = {
+        key.removeprefix(SCENE_PREFIX): value for key, value in values.items() if key.startswith(SCENE_PREFIX)
+    }
+    if data is None or not design_values:
+        varied = assignments.replace_values(design, design_values, source)
     else:
-        varied = assignments.assign_values(design, copy.deepcopy(dict(data)), of_design, source)
-    return varied, assignments.replace_values(scene, of_scene, source, SCENE_PREFIX)
+        varied = assignments.assign_values(design, copy.deepcopy(dict(data)), design_values, source)
+    return varied, assignments.replace_values(scene, scene_values, source, SCENE_PREFIX)

@@ -21,7 +21,7 @@ DEFAULT_ERROR = parse_tolerance("5%")
 
 
 def read_points(request: SweepRequest) -> SweepPoints:
-    """Return the points that a request describes, or the sweep's file that it names. Raises InputError."""
+    """Return the points that a request describes, itself or in the file that it names. Raises InputError."""
     with_speed = request.wish is not None
     if request.file is not None:
         request.check_unset("is set by ‹file›", "design", "set", "scene", "printer", "error", "sample")
@@ -37,7 +37,7 @@ def read_points(request: SweepRequest) -> SweepPoints:
 
 
 def _parse_entry(key: str, values: Any) -> Axis | Span:
-    """Parse the axis or span of a key from a text, one value, several, or an array. Raises InputError."""
+    """Return the axis or span of a key from text, one value, or several. Raises InputError."""
     if isinstance(values, str):
         return axes.from_text(key, values, f"‹set› {key}={values[:60]!r}")
     if isinstance(values, Mapping):
@@ -58,12 +58,12 @@ def make_points(
     with_speed: bool = False,
     file: Path | None = None,
 ) -> SweepPoints:
-    """Return the checked points of a design, a scene and a printer, by name or as objects.
+    """Return the points of a sweep, checked.
 
-    The `constants` are keys that are set for all points. Paths are relative to the folder `near`. Simulated speeds meet
-    DEFAULT_ERROR unless another error is given, or the runs are set. Points `with_speed` keep it, and predicted ones
-    its bounds too. Raises InputError, for constants with `source`, for other keys
-    with the name of the `file` that they are from.
+    `sources`: design, scene and printer, by name, by path from the folder `near`, or as objects. `constants`: values,
+    by key, of all points. `error`: by default DEFAULT_ERROR for simulated speeds, unless the runs are set.
+    `with_speed`: True if the numbers must include the speed. Raises InputError. Messages on constants begin with
+    `source`, those on other keys with the name of the `file`, if given.
     """
     model = choose_model(model, (*space.keys, *constants))
     design, scene, printer, data = _read_sources(sources, near, constants, model, source)
@@ -89,32 +89,35 @@ def make_points(
 def _read_sources(
     sources: tuple[Any, Any, Any], near: Path, constants: Mapping[str, Any], model: str, source: str
 ) -> tuple[Design, Scene, Printer | None, Mapping[str, Any] | None]:
-    """Read design, scene and printer, set the constants, and return them with the data of the design's file."""
+    """Return design, scene and printer with the constants set, and the data of the design's file, if it has one.
+
+    Arguments as of `make_points`.
+    """
     design, scene, printer = sources
     for key in constants:
         sweep_points.check_key(key, f"{source} {key}")
-    own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
-    scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
+    design_values = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
+    scene_values = {key.removeprefix(SCENES): constants[key] for key in constants if key not in design_values}
     if isinstance(design, Design):
-        walker, data = assignments.replace_values(design, own, source), None
+        walker, data = assignments.replace_values(design, design_values, source), None
     else:
         walker, data = assignments.read_with_data(
-            templates.resolve_path(design or PAPER_WALKER, "walkers", near), Design, own, source
+            templates.resolve_path(design or PAPER_WALKER, "walkers", near), Design, design_values, source
         )
-    place = choose_scene(scene, [walker], default_scene(model))
-    if isinstance(place, Scene):
-        place = assignments.replace_values(place, scenes, source, SCENES)
+    ground = choose_scene(scene, [walker], default_scene(model))
+    if isinstance(ground, Scene):
+        ground = assignments.replace_values(ground, scene_values, source, SCENES)
     else:
-        place = assignments.read_with_values(
-            templates.resolve_path(place, "scenes", near), Scene, scenes, source, SCENES
+        ground = assignments.read_with_values(
+            templates.resolve_path(ground, "scenes", near), Scene, scene_values, source, SCENES
         )
     if not isinstance(printer, Printer | None):
         printer = templates.load(printer, "printers", Printer, near)
-    return walker, place, printer, data
+    return walker, ground, printer, data
 
 
 def from_file(path: Path, with_speed: bool = False) -> SweepPoints:
-    """Read the points of a sweep's file. Raises InputError."""
+    """Read the points of a sweep from a sweep.toml. `with_speed`: True if they must have a speed. Raises InputError."""
     file = sweep_file.read_sweep(path)
     return make_points(
         (file.design, file.scene, file.printer),
@@ -131,17 +134,20 @@ def from_file(path: Path, with_speed: bool = False) -> SweepPoints:
 
 
 def choose_model(model: str | None, keys: Sequence[str]) -> str:
-    """Choose the model of a sweep without a given one from the kind of its keys."""
+    """Return the given model; for None that of the first key that applies to one kind, else PREDICTION."""
     return model or next(filter(None, map(model_kinds.kind_of_key, keys)), PREDICTION)
 
 
 def default_scene(model: str) -> str:
-    """Return the default template of the scene."""
+    """Return the name of a model's default scene template."""
     return model_kinds.load_kind(model_kinds.kind_of(model)).SCENE
 
 
 def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
-    """Return the space of axes and spans, and the keys of a single value. Raises InputError."""
+    """Return the space of axes and spans with several values, and the single values of other keys.
+
+    `sample`: sobol:N or latin:N for spans, None without. `seed`: of the samples. Raises InputError.
+    """
     axes.check_keys(entries)
     spans = tuple(entry for entry in entries if isinstance(entry, Span))
     lists = [entry for entry in entries if isinstance(entry, Axis)]
@@ -161,7 +167,7 @@ def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) ->
 
 
 def parse_sample(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
-    """Parse samples of spans from sobol:N or latin:N. Raises InputError."""
+    """Parse sobol:N or latin:N to N samples of the spans. Raises InputError, which begins with `source`."""
     method, _, count = text.partition(":")
     samples = parse_count(count, axes.MAX_VALUES)
     if method not in get_args(Method) or samples is None:

@@ -28,7 +28,7 @@ class Table:
     """Table that grows: rows are on the disk, whole, when `add` returns."""
 
     def __init__(self, path: Path, keys: Sequence[str], names: Sequence[str]) -> None:
-        """Begin an empty table with columns of the keys that vary and of a record."""
+        """Create the file with a header. `keys`: columns of the varied keys. `names`: columns of a record."""
         self.path, self.names = path, tuple(names)
         header = csv_text((*keys, *names, POINT_COLUMN, CHECK_COLUMN), [])
         try:
@@ -40,7 +40,7 @@ class Table:
         self._write(header)
 
     def add(self, values: Sequence[Any], record: Record, point: str) -> None:
-        """Append the row of a point. Raises OutputError."""
+        """Append the row of a point: values of the keys, record and key of the point. Raises OutputError."""
         cells = [*values, *(record.get(name) for name in self.names), point]
         line = csv_text(cells, [])
         self._write(csv_text([*cells, row_checksum(line)], []))
@@ -70,15 +70,14 @@ class Table:
 
 
 def row_checksum(line: str) -> str:
-    """Check sum of a row's text without that sum, 8 hexadecimal digits."""
+    """Return the check sum, 8 hexadecimal digits, of a row's text without it."""
     return f"{zlib.crc32(line.rstrip().encode()):08x}"
 
 
 def find_changed_lines(path: Path) -> list[int]:
-    """Find the numbers of a table's lines that differ from those of a sweep.
+    """Return the numbers of lines whose check sum is wrong: they were changed after a sweep wrote them.
 
-    A last line that was cut short is as written, the header too. Raises InputError
-    for a file that is no table of a sweep.
+    A last line that was cut short does not count. Raises InputError for a file that is no table of a sweep.
     """
     lines = file_reading.read_lines(path, "a table of `walkergen sweep`", newline="")
     header = next(lines, "")
@@ -87,11 +86,11 @@ def find_changed_lines(path: Path) -> list[int]:
             f"{path}: is not a table of a sweep (its last columns are not point, check). "
             "Move it, or give another ‹out›."
         )
-    return [number for number, line in enumerate(lines, start=2) if not _is_sound(line)]
+    return [number for number, line in enumerate(lines, start=2) if not _has_valid_checksum(line)]
 
 
-def _is_sound(line: str) -> bool:
-    """Return whether a line ends with the checksum of its cells. A line without an end must be printable only."""
+def _has_valid_checksum(line: str) -> bool:
+    """Return whether a line ends with the right check sum. A line that was cut short must be printable only."""
     text = line.removesuffix("\n")
     if text == line:
         return text.isprintable()
@@ -100,9 +99,9 @@ def _is_sound(line: str) -> bool:
 
 
 def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> bytes | None:
-    """Convert the table at `path` to Parquet; None if pyarrow is not installed.
+    """Convert the CSV table at `path` to Parquet; None if pyarrow is not installed.
 
-    `keys` are those that vary, True for numbers.
+    `keys`: varied keys, True for those with numbers, False for text. `names`: columns of a record.
     """
     try:
         import pyarrow as arrow
@@ -111,8 +110,8 @@ def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> by
     except ModuleNotFoundError:
         return None
     numbers = {key for key, numeric in keys.items() if numeric} | set(names) - set(TEXT_COLUMNS)
-    every = [*keys, *names, POINT_COLUMN, CHECK_COLUMN]
-    types = {name: arrow.float64() if name in numbers else arrow.string() for name in every}
+    columns = [*keys, *names, POINT_COLUMN, CHECK_COLUMN]
+    types = {name: arrow.float64() if name in numbers else arrow.string() for name in columns}
     buffer = arrow.BufferOutputStream()
     options = arrow_csv.ConvertOptions(column_types=types)
     with (
