@@ -66,9 +66,9 @@ class Film(NamedTuple):
 
 
 def file_name(film: Film, values: Mapping[str, Any]) -> str:
-    """Return the default name of the GIF: the walker, or tilts and kinds of legs, then the scene.
+    """Return the default file name of the GIF: walker, or tilts and kinds of legs, scene, then `values`.
 
-    Then come values of dotted keys that were set, in letters that are safe, as far as a name goes.
+    `values`: values that were set, by dotted key. They are shortened and have only safe letters.
     """
     what = names.part_name(film.members[0]) if len(film.members) == 1 else names.race_name(film.members)
     seen = "_perspective" if film.view == "perspective" else ""
@@ -88,7 +88,10 @@ class Made(NamedTuple):
 
 
 def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene, release: Release | None = None) -> Film:
-    """Return the film of these walkers in this scene. Raises InputError for what cannot be shown."""
+    """Return the film of these walkers in this scene. Raises InputError if its settings are invalid.
+
+    `release`: start of the walker; None for a random one, as in simulations.
+    """
     film, fps = Film(request, members, scene, release), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)

@@ -52,7 +52,7 @@ FURTHER_FOOT_COLOURS = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "
 
 
 def foot_colour(foot: int) -> str:
-    """Return the colour of a foot, given its number."""
+    """Return the colour of a foot from its number, from 0."""
     return (
         FIRST_FOOT_COLOURS[foot]
         if foot < len(FIRST_FOOT_COLOURS)
@@ -61,13 +61,13 @@ def foot_colour(foot: int) -> str:
 
 
 def movie_colours(feet: int) -> tuple[str, ...]:
-    """Return the colours that a movie of a walker on so many feet keeps exactly."""
+    """Return the colours that the palette of a movie must contain, for a walker on `feet` feet."""
     named = max(feet, len(FIRST_FOOT_COLOURS))
     return (*(style.colour for style in STYLES.values()), *dict.fromkeys(foot_colour(foot) for foot in range(named)))
 
 
 def impact_style(kind: Kind) -> Style:
-    """Return the style of a kind; mirrored kinds look like their twins, with a minus in their name."""
+    """Return the look of a kind of impact. A mirrored kind (backward) is like its twin, with a minus in the name."""
     if kind in STYLES:
         return STYLES[kind]
     twin = STYLES[Kind(-kind)]
@@ -75,7 +75,7 @@ def impact_style(kind: Kind) -> Style:
 
 
 def draw_legend(canvas: Canvas, x: float, y: float) -> None:
-    """Draw the possible kinds in a row, by sign, colour and words."""
+    """Draw the legend of the kinds of impacts in a row from (x, y), pixels."""
     axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
     axes.set_axis_off()
     axes.set_xlim(0, canvas.figure.bbox.width)
@@ -89,7 +89,7 @@ def draw_legend(canvas: Canvas, x: float, y: float) -> None:
 
 
 class Course(NamedTuple):
-    """Heights of something in time, with its look."""
+    """Heights of a foot's corner over time, with the look of its curve."""
 
     name: str
     colour: str
@@ -99,9 +99,9 @@ class Course(NamedTuple):
 
 
 def draw_heights(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
-    """Draw heights (µm) of plate and feet in time, with impacts; returns the line that marks now.
+    """Draw the heights of plate and feet over time with all impacts. Return the line that marks the current time.
 
-    `feet`: in the order of their numbers in the impacts.
+    `feet`: curves in the order of the numbers in `Impact.foot`.
     """
     axes = canvas.axes(*place)
     canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
@@ -134,7 +134,7 @@ def draw_heights(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -
 
 
 def _draw_marks(axes: Axes, shot: Shot, feet: list[Course]) -> None:
-    """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
+    """Draw a marker for every impact at the height of the plate, larger for larger impulses."""
     largest = largest_impulse(shot)
     for hit in shot.impacts:
         style, size = impact_style(hit.kind), float(np.hypot(*hit.impulse)) / largest
@@ -161,25 +161,31 @@ class Flash(NamedTuple):
 
 
 def add_flash(axes: Axes) -> Flash:
-    """Add the signs of an impact to a view."""
+    """Add the arrow and the burst of an impact to axes, to be set by `show_flash`."""
     arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
     axes.add_patch(arrow)
     (burst,) = axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
     return Flash(arrow, burst)
 
 
-def show_flash(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, foot: Array) -> None:
-    """Show an impact in the colour of its kind, of whose glow so much is `left` (1 down to 0)."""
+def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tail: Array, foot: Array) -> None:
+    """Show an impact by a burst at `foot` and an arrow from `tail` to it, pixels.
+
+    `brightness`: 1 at the impact, falls to 0. `largest`: impulse of full size, g mm/s.
+    """
     colour, size = impact_style(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
     flash.arrow.set_positions(tuple(tail), tuple(foot))
-    flash.arrow.set(color=colour, alpha=left, linewidth=0.5 + 3.0 * size)
+    flash.arrow.set(color=colour, alpha=brightness, linewidth=0.5 + 3.0 * size)
     flash.arrow.set_mutation_scale(4.0 + 12.0 * size)
     flash.burst.set_data(*foot[:, None])
-    flash.burst.set(color=colour, markersize=40.0 * np.sqrt(size) * left**3)
+    flash.burst.set(color=colour, markersize=40.0 * np.sqrt(size) * brightness**3)
 
 
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
-    """Make an empty picture of slow motion with its head and legend; return it with its line of numbers."""
+    """Return an empty picture of slow motion with its heading and legend, and its line of text for numbers.
+
+    `slow`: seconds of the film for each second of the run.
+    """
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
     canvas.text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)
@@ -189,7 +195,7 @@ def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
 
 
 def format_moment(time: float, phase: float, distance: float) -> str:
-    """Format the numbers of a moment: time (s), phase of the drive (rad), distance run (mm)."""
+    """Format time (s), phase of the drive (rad), distance run (mm) and mean speed as a line."""
     speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
     turn = np.degrees(phase) % 360.0
     return f"{1e3 * time:6.1f} ms   phase {turn:3.0f}°   ran {distance:6.2f} mm   so far {speed}"
@@ -200,15 +206,15 @@ def largest_impulse(shot: Shot) -> float:
     return max((float(np.hypot(*hit.impulse)) for hit in shot.impacts), default=1.0)
 
 
-def strongest_impact(shot: Shot, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
-    """Return the impact shown by a foot at `time`, and the remaining share of its flash (1 down to 0).
+def strongest_impact(shot: Shot, time: float, afterglow: float, foot: int) -> tuple[Impact, float] | None:
+    """Return the impact to show at a foot at `time`, and its brightness (1 down to 0); None without one.
 
-    Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.
+    Of the impacts within the last `afterglow` seconds, it is that with the largest impulse times brightness.
     """
     shown = [
         (hit, 1.0 - (time - hit.time) / afterglow)
         for hit in shot.impacts
-        if hit.foot == side and time - afterglow < hit.time <= time
+        if hit.foot == foot and time - afterglow < hit.time <= time
     ]
     if not shown:
         return None

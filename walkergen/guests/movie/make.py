@@ -37,7 +37,7 @@ HOLD_S = 1.5
 
 
 def run(request: MovieRequest, progress: Progress, expect: Expect) -> Report:
-    """Film the walkers of a request, and report the files."""
+    """Film the walkers of a request, and return a report with the files. `expect`: receives a time estimate."""
     if request.out is not None and request.out.suffix.lower() != ".gif":
         message = f"‹out=›{str(request.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
         raise InputError(message, "out")
@@ -54,10 +54,10 @@ def run(request: MovieRequest, progress: Progress, expect: Expect) -> Report:
 def make_movie(
     film: Film, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate
 ) -> Made:
-    """Simulate and film; write `path` (a GIF) and, with ffmpeg, an MP4 next to it.
+    """Simulate and draw a film. Write `path` (a GIF) and, with ffmpeg, an MP4 next to it.
 
-    Both files are written in full at the end. A file from another source is overwritten only by the GIF, and only if
-    the user `named` it. Raises InputError when a run ends before two frames.
+    `named`: True if the user named `path`: the GIF then may overwrite a file that walkergen did not write. Raises
+    InputError when a run ends before two frames.
     """
     from walkergen.files import animation
     from walkergen.guests.movie import impacts
@@ -78,7 +78,7 @@ def make_movie(
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:
-    """Estimate the time of drawing all frames from that of one, and of writing them."""
+    """Estimate the time to draw and write all frames by drawing one. The first, which takes longer, is drawn before."""
     draw(0)
     started = time.thread_time()
     draw(frames // 2)
@@ -86,54 +86,55 @@ def _expected_time(draw: "Draw", frames: int) -> Expected:
 
 
 def _prepare_drawing(film: Film, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
-    """Return a movie's draw function, its number of frames, and their content."""
+    """Simulate all walkers. Return the function that draws a frame, the number of frames, and the simulated runs."""
     from walkergen.guests.movie import top_view
 
-    every = ABOVE_POSES_PER_FRAME if film.view == "above" else SLOW_POSES_PER_FRAME
-    shots = [simulate_shot(film, design, every) for design in _with_progress(film, progress)]
-    frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
+    poses_per_frame = ABOVE_POSES_PER_FRAME if film.view == "above" else SLOW_POSES_PER_FRAME
+    shots = [simulate_shot(film, design, poses_per_frame) for design in _with_progress(film, progress)]
+    frames = 1 + max(len(shot.times) - 1 for shot in shots) // poses_per_frame
     words, lane = format_settings(film.scene), film.scene.arena.kind == "lane"
     words += _friction_note(film.members)
     if film.view == "perspective":
         from walkergen.guests.movie import perspective
 
-        return perspective.make_draw_function(shots[0], every, film.slow, words), frames, shots
+        return perspective.make_draw_function(shots[0], poses_per_frame, film.slow, words), frames, shots
     case = Case(film.scene, film.members[0], mass_of(film.members[0]))
     gap, period = walls.gap(case) if lane else None, 1.0 / film.scene.drive.frequency
-    return top_view.make_draw_function(shots, every, film.slow, words, period, gap), frames, shots
+    return top_view.make_draw_function(shots, poses_per_frame, film.slow, words, period, gap), frames, shots
 
 
 def _with_progress(film: Film, progress: Progress) -> Iterator[Design]:
+    """Yield the walkers of a film, and report progress for each."""
     for number, design in enumerate(film.members):
         progress(f"simulating {make_title(design)}", number, len(film.members))
         yield design
 
 
-def simulate_shot(film: Film, design: Design, every: int) -> Shot:
-    """Simulate the ensemble's first run, with `every` poses for a frame.
+def simulate_shot(film: Film, design: Design, poses_per_frame: int) -> Shot:
+    """Simulate the run that a film shows of a walker: the first of its ensemble.
 
-    Raises InputError for a run that ended before its second frame.
+    Raises InputError if it ends before the second frame.
     """
-    interval = 1.0 / (film.request.fps * film.slow * every)
+    interval = 1.0 / (film.request.fps * film.slow * poses_per_frame)
     # Half an interval more, so that rounding cannot lose the last pose.
-    seconds = ((film.frames - 1) * every + 0.5) * interval
+    seconds = ((film.frames - 1) * poses_per_frame + 0.5) * interval
     run = film.scene.run.model_copy(update={"seconds": seconds})
     scene = film.scene.model_copy(update={"run": run})
     mass = mass_of(design)
     prepared = prepare(scene, design, mass)._replace(release=film.release)
     shot = make_shot(make_title(design), design, mass, poses.sample(prepared, interval))
-    if len(shot.times) <= every:
+    if len(shot.times) <= poses_per_frame:
         raise InputError(f"{make_title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")
     return shot
 
 
 def make_title(design: Design) -> Title:
-    """Make the title of a walker's picture."""
+    """Return the title of a walker in a film."""
     return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
 
 
 def _friction_note(members: Sequence[Design]) -> str:
-    """Return the addition to the settings if feet have their own friction, otherwise ""."""
+    """Return words on the friction of feet that have their own; "" without such feet."""
     limbs = [limb for design in members for limb in design.limbs]
     own = {limb.friction for limb in limbs if limb.friction is not None}
     if not own:
@@ -142,15 +143,15 @@ def _friction_note(members: Sequence[Design]) -> str:
 
 
 def format_settings(scene: Scene) -> str:
-    """Describe the simulation in a line."""
+    """Describe drive, contact and slope of a scene in a line."""
     drive, contact = scene.drive, scene.contact
-    shaken = drive.motor_in_words or (
+    motion = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
         if 1e3 * drive.amplitude > AT_REST_UM
         else "plate at rest"
     )
     slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
     return (
-        f"{scene.name}: {shaken}; elastic feet, restitution {contact.restitution:g}, friction {contact.friction:g}"
+        f"{scene.name}: {motion}; elastic feet, restitution {contact.restitution:g}, friction {contact.friction:g}"
         + (slope if scene.plate.slope_deg else "")
     )

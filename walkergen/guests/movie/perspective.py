@@ -78,8 +78,11 @@ class Close(NamedTuple):
     labels: list[Text]
 
 
-def make_draw_function(shot: Shot, every: int, slow: float, settings: str) -> Draw:
-    """Make a function that draws frame k: pose k * every of the shot, `slow` times slower."""
+def make_draw_function(shot: Shot, poses_per_frame: int, slow: float, settings: str) -> Draw:
+    """Return a function that draws frame k of a film: pose k * poses_per_frame of the shot.
+
+    `slow`: seconds of the film for each second of the run. `settings`: line of text on the simulation.
+    """
     canvas, readout = make_canvas(shot.name, settings, slow)
     centres, model = _view_centres(shot), raster.make_model(shot.mesh)
     main = _make_main_view(canvas, shot, centres)
@@ -94,7 +97,7 @@ def make_draw_function(shot: Shot, every: int, slow: float, settings: str) -> Dr
     afterglow, R = AFTERGLOW_S / slow, shot.poses.rotations
 
     def draw(frame: int) -> Pixels:
-        at = min(frame * every, len(shot.times) - 1)
+        at = min(frame * poses_per_frame, len(shot.times) - 1)
         place = shot.poses.places[at] - centres[at]
         pixels, left, low = raster.render(model, R[at], place, main.camera, BODY_COLOUR, INK)
         picture.set_data(pixels)
@@ -106,7 +109,7 @@ def make_draw_function(shot: Shot, every: int, slow: float, settings: str) -> Dr
         _update_view(main, shot, at, centres[at], corners, glows)
         _update_close_view(close, shot, at, centres[at], corners, glows)
         now.set_xdata([1e3 * shot.times[at]] * 2)
-        over = f"   {shot.ended}" if at + every >= len(shot.times) else ""
+        over = f"   {shot.ended}" if at + poses_per_frame >= len(shot.times) else ""
         heading = f"   heading {np.degrees(shot.poses.heading[at]):+.1f}°"
         moment = float(shot.times[at]), float(shot.poses.phase[at]), float(shot.advance[at])
         readout.set_text(format_moment(*moment) + heading + over)
@@ -116,13 +119,16 @@ def make_draw_function(shot: Shot, every: int, slow: float, settings: str) -> Dr
 
 
 def _view_centres(shot: Shot) -> Array:
-    """Return the centres of the views, shape (n, 3), mm: the origin, or O in long runs."""
+    """Return the centre of the view at each pose, shape (n, 3), mm: the origin or, in long runs, the walker."""
     flat = shot.poses.places * (1.0, 0.0, 1.0)
     return flat if np.ptp(flat, axis=0).max() > MAX_STILL_LENGTHS * shot.size[0] else 0.0 * flat
 
 
 def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
-    """Make a view of the whole walker, to scale, with a plate larger than its run."""
+    """Return the view of the whole walker, to scale, with a plate larger than its run.
+
+    `centres`: centre of the view at each pose, shape (n, 3), mm.
+    """
     poses = shot.poses
     shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
     covered = np.concatenate(
@@ -147,7 +153,11 @@ def _make_view(
     longest: float,
     corners: int,
 ) -> View:
-    """Return a view that fits `points` on a plate that covers `area` (along x and z), mm."""
+    """Return a view in the rectangle `place` of the canvas, with a camera that shows all `points`, shape (n, 3), mm.
+
+    `area`: ends of the plate along x and z, mm. `longest`: length of the longest arrow, mm. `corners`: number of
+    corners of feet.
+    """
     axes = canvas.axes(*place)
     axes.set_axis_off()
     axes.set_xlim(0, place.width)
@@ -167,12 +177,16 @@ def _make_view(
 
 
 def _add_moving_signs(canvas: Canvas, view: View) -> None:
+    """Register the bursts, dots and arrows of a view as artists to redraw in each frame."""
     for flash, dot in zip(view.flashes, view.dots, strict=True):
         canvas.add_moving_artists(flash.burst, dot, flash.arrow)
 
 
 def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
-    """Make the view of the feet alone, their heights magnified to a share of their distance."""
+    """Return the view of the feet alone, with magnified heights.
+
+    `centres`: centre of the view at each pose, shape (n, 3), mm.
+    """
     corners = shot.poses.corners - centres[:, None]
     flat = corners[..., [0, 2]].reshape(-1, 2)
     (left, near), (right, far) = flat.min(axis=0), flat.max(axis=0)
@@ -212,9 +226,9 @@ def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
 
 
 def _corner_courses(shot: Shot) -> list[Course]:
-    """Return the heights of the corners in time: colours of the feet, left corners full, right dashed.
+    """Return the height curve of each corner, in the colour of its foot: solid for left corners, dashed for right.
 
-    Of more than two feet the legend names the feet alone, of many none.
+    The legend names the corners of two feet, more feet only by leg, and many feet not at all.
     """
     heights, names = shot.poses.corners[:, :, 1], shot.poses.names
     if len(names) > 4:
@@ -228,7 +242,11 @@ def _corner_courses(shot: Shot) -> list[Course]:
 def _update_view(
     view: View, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Show the plate's lines, and flash the corners at the places `corners` of the view."""
+    """Set lines of the plate, dots and flashes of a view for pose `at`.
+
+    `centre`: of the view, shape (3,), mm. `corners`: corners of the feet from it, shape (c, 3), mm. `glows`: for each
+    corner the impact to show and its brightness, or None.
+    """
     view.lines.set_segments(_plate_lines(view, shot, centre))
     seen = view.camera.project(corners)[:, :2]
     heading, largest = shot.poses.heading[at], largest_impulse(shot)
@@ -238,15 +256,15 @@ def _update_view(
         for artist in flash:
             artist.set_visible(glows[k] is not None)
         if (glow := glows[k]) is not None:
-            hit, left = glow
+            hit, brightness = glow
             along, up = hit.impulse / largest * view.longest
             push = np.array([along * math.cos(heading), up, -along * math.sin(heading)])
             tail = view.camera.project(corners[k] - push)[:2]
-            show_flash(flash, hit, left, largest, tail, seen[k])
+            show_flash(flash, hit, brightness, largest, tail, seen[k])
 
 
 def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
-    """Return the lines of the plate, at rest in it, as the view shows them."""
+    """Return the visible grid lines, fixed to the plate, shape (2, 2) each, pixels. `centre`: of the view, mm."""
     spacing = nice_ceil(0.05 * float(shot.size[0]))
     (left, right), (near, far) = view.area
     ends = []
@@ -261,14 +279,14 @@ def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
 def _update_close_view(
     close: Close, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Show the feet at their magnified heights over the plate, bent ones where unbent they were."""
+    """Set the view of the feet for pose `at`, with heights and bending magnified. Arguments as of `_update_view`."""
     gaps = shot.poses.gaps[at]
-    below = corners * (1.0, 0.0, 1.0)
-    shown = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
-    raised = below + np.outer(shown, (0.0, 1.0, 0.0))
+    on_plate = corners * (1.0, 0.0, 1.0)
+    magnified = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
+    raised = on_plate + np.outer(magnified, (0.0, 1.0, 0.0))
     _update_view(close.view, shot, at, centre, raised, glows)
     project = close.view.camera.project
-    tips, feet = project(raised)[:, :2], project(below)[:, :2]
+    tips, feet = project(raised)[:, :2], project(on_plate)[:, :2]
     for side, edge in enumerate(close.edges):
         edge.set_data(*tips[2 * side : 2 * side + 2].T)
     close.drops.set_segments([*np.stack([feet, tips], axis=1), *feet.reshape(-1, 2, 2)])
@@ -281,7 +299,7 @@ def _update_close_view(
 
 
 def _format_micrometres(length: float) -> str:
-    """Format a length in mm as whole µm, with a decimal where legs bend, without a minus on zero."""
+    """Format a length in mm as whole µm; negative lengths, where legs bend, with one decimal."""
     micrometres = round(1e3 * length, 1 if length < 0.0 else 0) + 0.0
     text = f"{micrometres:.1f}" if micrometres < 0.0 else f"{micrometres:.0f}"
     return text.replace("-", "\N{MINUS SIGN}")

@@ -51,7 +51,7 @@ class Camera(NamedTuple):
 
 
 def fit_camera(points: Array, size: tuple[float, float]) -> Camera:
-    """Fit a camera in whose picture of `size` (width, height, pixels) points (n, 3) just fit."""
+    """Return the camera whose picture of `size` (width, height, pixels) just contains points (n, 3), mm."""
     low, high = points.min(axis=0), points.max(axis=0)
     back = CAMERA_DIRECTION / np.linalg.norm(CAMERA_DIRECTION)
     right = np.cross([0.0, 1.0, 0.0], back)
@@ -75,18 +75,18 @@ class Model(NamedTuple):
 
 
 def make_model(mesh: Mesh) -> Model:
-    """Compute the normals and sharp edges of a closed mesh."""
+    """Return a closed mesh with its normals and sharp edges."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(lengths > 0.0, lengths, 1.0)  # slivers of a person's mesh have none
-    beside: dict[tuple[int, int], list[int]] = {}
+    triangles_of: dict[tuple[int, int], list[int]] = {}
     for number, triangle in enumerate(mesh.triangles.tolist()):
         for start, end in zip(triangle, triangle[1:] + triangle[:1], strict=True):
-            beside.setdefault((min(start, end), max(start, end)), []).append(number)
+            triangles_of.setdefault((min(start, end), max(start, end)), []).append(number)
     edges = [
         (*ends, *two[:2])
-        for ends, two in beside.items()
+        for ends, two in triangles_of.items()
         if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP_EDGE_COSINE
     ]
     return Model(mesh, normals, np.array(edges, np.int64).reshape(-1, 4))
@@ -95,9 +95,10 @@ def make_model(mesh: Mesh) -> Model:
 def render(
     model: Model, R: Array, place: Array, camera: Camera, colour: str, ink: str
 ) -> tuple[npt.NDArray[np.uint8], int, int]:
-    """Render a mesh turned by R and moved to `place`: RGBA, upper row first.
+    """Render a mesh that is rotated by R, shape (3, 3), and moved by `place`, shape (3,), mm.
 
-    It covers the mesh alone; also its left and lower end in the camera's picture, pixels.
+    Return the smallest RGBA picture that contains it, upper row first, and the pixels of that picture's left and lower
+    ends in the camera's picture. `colour` of faces and `ink` of edges are #rrggbb.
     """
     seen = camera.project(model.mesh.vertices @ R.T + place)
     left, low = np.floor(seen[:, :2].min(axis=0)).astype(int) - 1
@@ -121,7 +122,11 @@ def _doubled_areas(corners: Array) -> Array:
 
 
 def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int) -> None:
-    """Write `value` where a counter-clockwise triangle is nearer than all so far."""
+    """Draw a counter-clockwise triangle into a depth buffer, where it is nearer than all before.
+
+    `number` and `near`, shape (height, width): number of the triangle at each sample, which becomes `value`, and
+    inverse distance. `corners`: x, y (samples) and inverse distance, shape (3, 3).
+    """
     (left, low), (right, high) = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
     x = np.arange(math.ceil(left - 0.5), math.floor(right - 0.5) + 1)
     y = np.arange(math.ceil(low - 0.5), math.floor(high - 0.5) + 1)
@@ -148,7 +153,11 @@ def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, v
 
 
 def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: Mask) -> None:
-    """Write the ink's number, that of the triangles, along the sharp edges that are visible."""
+    """Draw the visible sharp edges: set `number`, shape (height, width), to the number of triangles along them.
+
+    `near`: inverse distance at each sample. `points`: projected vertices, shape (v, 3). `facing`: True for triangles
+    that face the camera.
+    """
     edges = model.edges[facing[model.edges[:, 2]] | facing[model.edges[:, 3]]]
     ends = points[edges[:, :2]]
     counts = np.ceil(np.hypot(*(ends[:, 1, :2] - ends[:, 0, :2]).T)).astype(int) + 1
@@ -163,7 +172,10 @@ def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model
 
 
 def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
-    """Return RGBA of every triangle, given its normal in the camera's axes, then ink, then nothing."""
+    """Return RGBA of every triangle, then of ink, then of the transparent background, shape (m + 2, 4).
+
+    `normals`: in the camera's axes, shape (m, 3). `colour` and `ink`: #rrggbb.
+    """
     light = LIGHT_DIRECTION / np.linalg.norm(LIGHT_DIRECTION)
     bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
     full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))
@@ -173,7 +185,7 @@ def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]
 
 
 def _downsample(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Average the samples of each pixel, its colours over those that are not clear (and black)."""
+    """Average the RGBA samples of each pixel. Transparent samples do not count for its colour."""
     first, *others = (
         picture[row::SAMPLES_PER_PIXEL, column::SAMPLES_PER_PIXEL]
         for row in range(SAMPLES_PER_PIXEL)

@@ -6,7 +6,7 @@ from walkergen.guests.movie.shot import format_pace
 
 
 def make_report(film: Film, made: Made) -> Report:
-    """Report of a film that was written: a line a walker, then its files."""
+    """Return the report of a written film: a line for each walker, then the files."""
     lines = []
     for shot in made.shots:
         seconds, distance = shot.times[-1], shot.distance

@@ -24,7 +24,7 @@ class Impact(NamedTuple):
 
 
 def make_impact(event: Array) -> Impact:
-    """Make an impact from a row of the simulation's events (see `record.Events`)."""
+    """Convert a row of the simulation's events (see `record.Events`) to an impact."""
     time, foot, along, upward, _, _, kind = event
     return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
 
@@ -47,7 +47,7 @@ class Title(NamedTuple):
 
 
 def format_pace(slow: float) -> str:
-    """Describe the pace of a movie; `slow` seconds of it show one second of the run."""
+    """Describe the pace of a movie. `slow`: seconds of the movie for one second of the run."""
     if slow == 1.0:
         return "real time"
     return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"
@@ -97,7 +97,7 @@ class Shot(NamedTuple):
 
     @property
     def advance(self) -> Array:
-        """Distance run along the heading of each moment, from 0, shape (n,), mm."""
+        """Distance run so far at each pose, along the momentary heading, shape (n,), mm."""
         heading = 0.5 * (self.poses.heading[1:] + self.poses.heading[:-1])
         ahead = np.column_stack([np.cos(heading), np.sin(heading)])
         return np.append(0.0, np.cumsum((np.diff(self.track, axis=0) * ahead).sum(axis=1)))
@@ -109,7 +109,7 @@ class Shot(NamedTuple):
 
 
 def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
-    """Create the shot of a run in space, in the terms of the picture."""
+    """Return the shot of a run: its poses with mesh, outline and impacts of the walker."""
     mesh, O = build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,
@@ -141,6 +141,6 @@ def foot_edges(shot: Shot, at: int) -> Array:
 
 
 def rotate(points: Array, angle: float) -> Array:
-    """Turn points (..., 2) counter-clockwise."""
+    """Rotate points (..., 2) counter-clockwise by an angle, rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.asarray(points @ np.array([[c, s], [-s, c]]))

@@ -65,22 +65,23 @@ class Arena(NamedTuple):
 
 
 def make_draw_function(
-    shots: Sequence[Shot], every: int, slow: float, settings: str, period: float, gap: float | None
+    shots: Sequence[Shot], poses_per_frame: int, slow: float, settings: str, period: float, gap: float | None
 ) -> Draw:
-    """Make a function that draws frame k: pose k * every of every run; ended runs stay.
+    """Return a function that draws frame k of a film: pose k * poses_per_frame of all runs. Ended runs stay.
 
-    `period` of the drive, s; `gap`: distance of a lane's walls, mm. Corners flash where a frame
-    lasts less than a period: in real time they would never stop.
+    `slow`: seconds of the film for each second of the run. `settings`: line of text on the simulation. `period`: of the
+    drive, s. `gap`: distance of a lane's walls, mm; None without walls. Impacts are shown if a frame is shorter than a
+    period.
     """
     windows = [_window(shot, gap) for shot in shots]
     left, right = min(window.left for window in windows), max(window.right for window in windows)
-    talls = [window.upper - window.lower for window in windows]
-    scale = min((WIDTH_PX - 2 * MARGIN_PX) / (right - left), MAX_ARENAS_PX / sum(talls))
-    heights = [math.ceil(scale * tall) for tall in talls]
+    window_heights = [window.upper - window.lower for window in windows]
+    scale = min((WIDTH_PX - 2 * MARGIN_PX) / (right - left), MAX_ARENAS_PX / sum(window_heights))
+    heights = [math.ceil(scale * window_height) for window_height in window_heights]
     longest = max(shots, key=lambda shot: len(shot.poses.times)).poses.times
-    span = every * float(longest[1])
-    glow, below = (2.0 * span, FOOT_PX + 20) if span < period else (0.0, FOOT_PX)
-    height = HEAD_PX + sum(heights) + len(shots) * TITLE_PX + below
+    frame_s = poses_per_frame * float(longest[1])
+    glow, footer_px = (2.0 * frame_s, FOOT_PX + 20) if frame_s < period else (0.0, FOOT_PX)
+    height = HEAD_PX + sum(heights) + len(shots) * TITLE_PX + footer_px
     canvas = Canvas(WIDTH_PX, height + height % 2)
     canvas.text(MARGIN_PX, height - 22, _shared_name(shots), fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(MARGIN_PX, height - 40, settings)
@@ -89,31 +90,31 @@ def make_draw_function(
     clock = canvas.text(0.5 * WIDTH_PX, height - 22, "", family="DejaVu Sans Mono", ha="center")
     interval = nice_floor(max(float(shot.poses.times[-1]) for shot in shots) / 6.0)  # some ten dots
     arenas, top = [], height - HEAD_PX
-    for shot, tall, window in zip(shots, heights, windows, strict=True):
-        top -= TITLE_PX + tall
+    for shot, height_px, window in zip(shots, heights, windows, strict=True):
+        top -= TITLE_PX + height_px
         middle = 0.5 * (left + right), 0.5 * (window.lower + window.upper)
-        arenas.append(_make_arena(canvas, shot, top, tall, middle, scale, gap, interval))
+        arenas.append(_make_arena(canvas, shot, top, height_px, middle, scale, gap, interval))
     _draw_scale_bar(canvas, scale, interval)
     canvas.add_moving_artists(clock)
     if glow > 0.0:
-        draw_legend(canvas, 20, below - 14)
+        draw_legend(canvas, 20, footer_px - 14)
 
     def draw(frame: int) -> Pixels:
         for arena in arenas:
-            _show_pose(arena, min(frame * every, len(arena.shot.poses.times) - 1), glow)
-        clock.set_text(f"{longest[min(frame * every, len(longest) - 1)]:7.3f} s")
+            _show_pose(arena, min(frame * poses_per_frame, len(arena.shot.poses.times) - 1), glow)
+        clock.set_text(f"{longest[min(frame * poses_per_frame, len(longest) - 1)]:7.3f} s")
         return canvas.pixels()
 
     return draw
 
 
 def _shared_name(shots: Sequence[Shot]) -> str:
-    """Return the name of a single walker, or the common part of several names."""
+    """Return the heading of the picture: the name of a single walker, or the design of several."""
     return f"{shots[0].name} legs" if len(shots) == 1 else shots[0].title.design
 
 
 def _window(shot: Shot, gap: float | None) -> Window:
-    """Return a window around a run and its arrow, with a margin."""
+    """Return the window that contains the body and its arrow during a whole run, and walls `gap` mm apart, if any."""
     shown = range(0, len(shot.poses.times), max(1, len(shot.poses.times) // 500))
     covered = np.concatenate([np.vstack([*body_outline(shot, at), *_arrow_ends(shot, at)]) for at in shown])
     margin = 0.08 * float(shot.size[0])
@@ -140,6 +141,11 @@ def _make_arena(
     gap: float | None,
     interval: float,
 ) -> Arena:
+    """Add the arena of a walker to the canvas and return it.
+
+    `bottom` and `height`: pixels. `middle`: centre of the visible plate, mm. `scale`: pixels per mm. `gap`: distance of
+    walls, mm. `interval`: time between dots on the trail, s.
+    """
     axes = canvas.axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
     set_scale(axes, middle, scale)
     axes.set_facecolor(GROUND_COLOUR)
@@ -151,8 +157,8 @@ def _make_arena(
     canvas.text(MARGIN_PX, bottom + height + 6, shot.title.legs, weight="bold")
     readout = canvas.text(WIDTH_PX - MARGIN_PX, bottom + height + 6, "", family="DejaVu Sans Mono", ha="right")
     (trail,) = axes.plot([], [], color=TRAIL_COLOUR, linewidth=1.4)
-    every = max(1, round(interval / float(shot.poses.times[1])))
-    (dots,) = axes.plot([], [], "o", color=TRAIL_COLOUR, markersize=3.5, markevery=every)
+    poses_per_dot = max(1, round(interval / float(shot.poses.times[1])))
+    (dots,) = axes.plot([], [], "o", color=TRAIL_COLOUR, markersize=3.5, markevery=poses_per_dot)
     holes = [area(contour) < 0.0 for contour in shot.contours]
     colours = [GROUND_COLOUR if hole else BODY_COLOUR for hole in holes]
     body = PolyCollection([], facecolor=colours, edgecolor=INK, linewidths=0.8, alpha=0.9)
@@ -169,7 +175,7 @@ def _make_arena(
 
 
 def _show_pose(arena: Arena, at: int, glow: float) -> None:
-    """Show pose `at`, and the landings of the last `glow` seconds."""
+    """Show pose `at` in an arena, and the impacts of the last `glow` seconds."""
     shot = arena.shot
     arena.body.set_verts(body_outline(shot, at))
     arena.feet.set_segments(list(foot_edges(shot, at)))
@@ -182,19 +188,21 @@ def _show_pose(arena: Arena, at: int, glow: float) -> None:
 
 
 def _show_flashes(arena: Arena, at: int, glow: float) -> None:
+    """Show the impacts of the last `glow` seconds before pose `at`; none for 0."""
     shot, largest = arena.shot, largest_impulse(arena.shot)
     ends: Array = foot_edges(shot, at).reshape(-1, 2)
     for corner, flash in enumerate(arena.flashes):
         shown = strongest_impact(shot, shot.poses.times[at], glow, corner) if glow > 0.0 else None
         flash.set_visible(shown is not None)
         if shown is not None:
-            hit, left = shown
+            hit, brightness = shown
             flash.set_data(*ends[corner][:, None])
             size = float(np.hypot(*hit.impulse)) / largest
-            flash.set(color=impact_style(hit.kind).colour, markersize=26.0 * math.sqrt(size) * left)
+            flash.set(color=impact_style(hit.kind).colour, markersize=26.0 * math.sqrt(size) * brightness)
 
 
 def _format_readout(shot: Shot, at: int) -> str:
+    """Format heading, distance and mean speed at pose `at`, and why the run ended."""
     time, distance = float(shot.poses.times[at]), float(shot.advance[at])
     words = f"heading {np.degrees(shot.poses.heading[at]):+6.1f}°  ran {distance:7.1f} mm"
     if time > 0:
@@ -205,7 +213,10 @@ def _format_readout(shot: Shot, at: int) -> str:
 
 
 def _draw_scale_bar(canvas: Canvas, scale: float, interval: float) -> None:
-    """Draw a scale bar of a round length along the bottom, and explain the marks."""
+    """Draw a scale bar of a round length at the bottom, and explain the marks.
+
+    `scale`: pixels per mm. `interval`: time between dots, s.
+    """
     length = nice_floor(200.0 / scale)
     axes = canvas.axes(MARGIN_PX, 18, length * scale, 6)
     axes.set_xlim(0, 1)

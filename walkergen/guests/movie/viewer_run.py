@@ -14,9 +14,9 @@ POSES_PER_SECOND = 2000.0
 
 
 def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
-    """Simulate seconds of a walker's run in space and pack the data for the viewer.
+    """Simulate a run of some seconds and return the data that the page's viewer plays, as JSON values.
 
-    Raises InputError for a run that ends immediately.
+    Raises InputError if the run ends immediately.
     """
     mass = mass_of(design)
     short = scene.run.model_copy(update={"seconds": seconds})
@@ -27,11 +27,11 @@ def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
 
 
 def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
-    """Pack poses and landings of a walker whose point O lies at this point of its mesh, as the page reads them.
+    """Pack poses and landings for the page's viewer, as little-endian float32 in base64.
 
-    A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
-    (s), its corner and its impulse over the largest; a plate that moves has a height (mm) for each pose.
-    All are little-endian float32.
+    `O`: the walker's reference point in its mesh, shape (3,), mm. A pose is a shift (mm) and a quaternion (x, y, z,
+    scalar) of the mesh. A landing is its time (s), its corner and its impulse over the largest. `plate`: height (mm) at
+    each pose, if the plate moves.
     """
     R = motion.rotations
     shift = motion.places - R @ O
@@ -51,18 +51,19 @@ def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
 
 
 def _caption(motion: poses.Poses, scene: Scene, name: str) -> str:
-    """Describe the played run in a sentence."""
+    """Describe a simulated run, its scene and its length in a line. `name`: of the walker."""
     drive = scene.drive
     ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
-    shaken = drive.motor_in_words or (
+    shaking = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
     )
     return (
-        f"{name} in {scene.name}: {shaken}, feet of restitution "
+        f"{name} in {scene.name}: {shaking}, feet of restitution "
         f"{scene.contact.restitution:g}, friction {scene.contact.friction:g}; "
         f"{motion.times[-1]:.3g} s{ended}"
     )
 
 
 def _to_base64(values: Array) -> str:
+    """Return numbers as little-endian float32 in base64."""
     return base64.b64encode(values.astype("<f4").tobytes()).decode()
