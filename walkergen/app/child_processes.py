@@ -146,10 +146,7 @@ def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
 
 
 async def run_until_disconnect(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
-    """Await work and return its result; cancel it and return None if the page is closed or the server ends.
-
-    `receive`: ASGI function that waits for messages, such as that a page was closed.
-    """
+    """Await work and return its result. If the page is closed or the server ends, cancel it and return None."""
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_wait_for_disconnect(receive))
     try:
         await asyncio.wait({working, gone}, return_when=asyncio.FIRST_COMPLETED)

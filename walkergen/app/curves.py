@@ -53,10 +53,7 @@ def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None
 
 @lru_cache(maxsize=MAX_CACHED_CURVES)
 def _compute_curve(design: str, scene: str, body: str, low: float, high: float, rough: bool) -> Curve | None:
-    """Compute the speed curve from tilt `low` to `high` (deg) of a design and a scene, both as JSON.
-
-    `body`: hash of the body's files, for the cache only. `rough`: True for fewer points.
-    """
+    """Compute the speed curve between two tilts (deg) from design and scene as JSON. `body`: hash of its files."""
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
     count = (
         ROUGH_POINTS if rough else prediction.CURVE_POINTS if walker.body.plain and not walker.parts else JOINED_POINTS

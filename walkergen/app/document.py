@@ -144,10 +144,7 @@ def _template_names(kind: str) -> frozenset[str]:
 
 @lru_cache(maxsize=MAX_CACHED_TEMPLATES)
 def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
-    """Load a template with the changed values `own`, by key, given as JSON so that calls can be cached.
-
-    Values cannot name a file that changes: files of a page are named by their contents.
-    """
+    """Load a template with changed values, by key, given as JSON text so that calls can be cached."""
     settings, data = _load_defaults(name, kind, model)
     changed: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
     return changed

@@ -113,10 +113,7 @@ def to_dict(document: Document) -> dict[str, Any]:
 
 
 def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
-    """Yield the groups of the tables in `section`, then the group of its own keys.
-
-    `prefix`: beginning of its dotted keys, such as "scene.". `title`: heading of its group.
-    """
+    """Yield the groups of the tables in `section`, then of its own keys. `prefix`: of these keys, such as "scene."."""
     own, inner, absent = [], [], []
     idle = section.idle if isinstance(section, Body) else ()
     for name, field in type(section).model_fields.items():
@@ -168,10 +165,7 @@ def _minimal_table(table: type[Section]) -> dict[str, Any]:
 
 
 def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
-    """Return the control for a key, from its pydantic field, value and help text `note`.
-
-    None if no control can show its type.
-    """
+    """Return the control for a key, from its pydantic field, value and help text `note`; None for types without one."""
     name, unit = _split_unit(key.rpartition(".")[2])
     types, metadata = _types_and_limits(field)
     choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
@@ -218,10 +212,7 @@ def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
 
 
 def _slider_range(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
-    """Return the range of a slider for a key with limits `low` and `high`; None without limits or value.
-
-    If the limits are too far apart for a slider, the range depends on the value.
-    """
+    """Return a slider's range for a key with limits `low` and `high`, narrowed around the value if that is too wide."""
     if low is None or high is None or value is None:
         return None
     if low < 0.0:

@@ -47,10 +47,7 @@ full address. Or press Ctrl-C there and start walkergen again. It then opens the
 
 
 def restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
-    """Return an ASGI application that passes to `app` only requests with Host in `hosts` and the same Origin, if any.
-
-    It adds headers for security to all answers.
-    """
+    """Return an ASGI application that passes to `app` only requests with Host in `hosts` and the same Origin."""
 
     async def handle_request(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] != "http":

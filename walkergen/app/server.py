@@ -207,10 +207,7 @@ def _output_folder(name: str) -> WorkArgument:
 async def _run_on_document(
     work: Callable[..., Result], extra_arguments: Sequence[WorkArgument], server: Server, request: Request
 ) -> Result:
-    """Call `work` in another process, and return its result.
-
-    Its arguments are the page's document and the results of the functions `extra_arguments` for this request.
-    """
+    """Call `work` in another process with the page's document and the results of `extra_arguments` for this request."""
     document, fields = await _read_request(server, request)
     return await _await_work(server.workers, request, work, document, *(one(server, fields) for one in extra_arguments))
 
@@ -286,10 +283,7 @@ async def _receive_upload(server: Server, request: Request) -> Response:
 
 
 def _store_upload(folder: Path, kind: str, data: bytes) -> str:
-    """Write a dropped file, named by its hash, and return its name. Raises OutputError.
-
-    `kind`: suffix without dot. The oldest files are deleted if the folder is too large.
-    """
+    """Write a dropped file with suffix `kind`, named by its hash. Return its name. The oldest files may be deleted."""
     name = f"{hashlib.sha256(data).hexdigest()[:16]}.{kind}"
     with output.Folder(folder, "") as target:
         target.write(name, data)

@@ -217,10 +217,7 @@ def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
 
 
 def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
-    """Yield the percentage of the weight on the back and the front feet at rest, with their positions.
-
-    Nothing is yielded unless the legs are at exactly two positions along the run.
-    """
+    """Yield the positions of back and front feet with their percentage of the weight at rest; none for other legs."""
     places = sorted({round(limb.along, 6) for limb in design.limbs})
     if len(places) != 2:
         return

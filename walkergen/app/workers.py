@@ -145,10 +145,7 @@ def _stop_worker(worker: Worker) -> None:
 
 
 def _request_answer(worker: Worker, work: Callable[..., Any], arguments: Any, gone: threading.Event) -> Any:
-    """Let a process call `work`, and return its result or the error that it raised.
-
-    Raises InputError if the process ends or is too slow. `gone`: set when the page is closed.
-    """
+    """Let a process call `work`. Return its result or error. Raises InputError if the process ends or is too slow."""
     late = InputError(f"{SOURCE}: this takes longer than {MAX_ANSWER_CPU_S:g} s. Make the shape simpler, or smaller.")
     try:
         if not worker.ready:

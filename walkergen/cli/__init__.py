@@ -108,10 +108,7 @@ def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
 
 
 def _run_command(commands: typer.Typer | Callable[[], None], lost_interrupt: threading.Event) -> int:
-    """Run the command line, print its error if it has one, and return the exit code.
-
-    `lost_interrupt`: set if a library has suppressed Ctrl-C.
-    """
+    """Run the command line, print its error, return the exit code. `lost_interrupt`: set if Ctrl-C was suppressed."""
     try:
         try:
             # A Typer that is called would replace our hook, which receives a lost Ctrl-C

@@ -105,10 +105,7 @@ SHELL_TYPES = (bool, int, float, Path)
 
 
 def command_summary(name: str) -> str:
-    """Return the first paragraph of a command's help.
-
-    It is read from the source of its request class, without an import.
-    """
+    """Return the first paragraph of a command's help, read from its source without an import."""
     if not commands.COMMANDS[name].folder:
         return str(make_command(name).help)
     path = Path(commands.__file__).parent / commands.COMMANDS[name].folder.replace(".", "/") / "request.py"

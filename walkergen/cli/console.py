@@ -19,10 +19,7 @@ if TYPE_CHECKING:
 
 
 def _print_json(data: dict[str, Any]) -> None:
-    """Print data as JSON. Raises ValueError for NaN and infinity, which JSON does not have.
-
-    Letters outside the stream's encoding are escaped.
-    """
+    """Print data as JSON, and escape letters outside the stream's encoding. Raises ValueError for NaN and infinity."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
     try:
         text.encode(sys.stdout.encoding or "ascii")

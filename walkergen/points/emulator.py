@@ -50,11 +50,7 @@ class Emulator(NamedTuple):
 
 
 def single_thread() -> Any:
-    """Keep linear algebra on one thread in this context.
-
-    Matrices here are so small that threads wait for one another: on a busy machine for a hundred
-    times the time of the work.
-    """
+    """Return a context in which linear algebra uses one thread: threads would only slow down such small matrices."""
     from threadpoolctl import threadpool_limits
 
     return threadpool_limits(1)

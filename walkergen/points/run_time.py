@@ -43,10 +43,7 @@ def stop_after_moment() -> Stopped:
 
 
 def rate_from_steps(plan: Plan) -> float:
-    """Return an upper limit of the CPU seconds per simulated second.
-
-    It is STEP_CPU_S times the number of time steps, or of plate periods, in a second.
-    """
+    """Return an upper limit of CPU seconds per simulated second, from the number of time steps or plate periods."""
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
     return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
 

@@ -49,10 +49,7 @@ def simulate_each(walkers: Sequence[Walker], titles: Sequence[str], progress: Pr
 
 
 def simulate_parallel(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int, Results]:
-    """Simulate walkers in parallel, one thread each, and return results by index: best for walkers of a single run.
-
-    After Ctrl-C, unfinished walkers are missing.
-    """
+    """Simulate walkers in parallel, one thread each. Return results by index, without those unfinished after Ctrl-C."""
     return batch.run_parallel(
         lambda number, stopped, tell: simulate(walkers[number], silent, 1), range(len(walkers)), progress
     )

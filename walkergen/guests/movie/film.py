@@ -88,10 +88,7 @@ class Made(NamedTuple):
 
 
 def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene, release: Release | None = None) -> Film:
-    """Return the film of these walkers in this scene. Raises InputError if its settings are invalid.
-
-    `release`: start of the walker; None for a random one, as in simulations.
-    """
+    """Return a film, checked. Raises InputError. `release`: start of the walker; None for that of its first run."""
     film, fps = Film(request, members, scene, release), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)

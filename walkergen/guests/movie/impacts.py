@@ -169,10 +169,7 @@ def add_flash(axes: Axes) -> Flash:
 
 
 def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tail: Array, foot: Array) -> None:
-    """Show an impact by a burst at `foot` and an arrow from `tail` to it, pixels.
-
-    `brightness`: 1 at the impact, falls to 0. `largest`: impulse of full size, g mm/s.
-    """
+    """Show an impact: a burst at `foot`, an arrow from `tail`, sized by impulse / `largest`. `brightness`: 0..1."""
     colour, size = impact_style(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
     flash.arrow.set_positions(tuple(tail), tuple(foot))
     flash.arrow.set(color=colour, alpha=brightness, linewidth=0.5 + 3.0 * size)
@@ -182,10 +179,7 @@ def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tai
 
 
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
-    """Return an empty picture of slow motion with its heading and legend, and its line of text for numbers.
-
-    `slow`: seconds of the film for each second of the run.
-    """
+    """Return a picture with heading and legend, and its line of text for numbers. `slow`: film seconds per second."""
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
     canvas.text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)

@@ -111,10 +111,7 @@ def _with_progress(film: Film, progress: Progress) -> Iterator[Design]:
 
 
 def simulate_shot(film: Film, design: Design, poses_per_frame: int) -> Shot:
-    """Simulate the run that a film shows of a walker: the first of its ensemble.
-
-    Raises InputError if it ends before the second frame.
-    """
+    """Simulate the first run of a walker for a film. Raises InputError if it ends before the second frame."""
     interval = 1.0 / (film.request.fps * film.slow * poses_per_frame)
     # Half an interval more, so that rounding cannot lose the last pose.
     seconds = ((film.frames - 1) * poses_per_frame + 0.5) * interval

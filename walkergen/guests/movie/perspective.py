@@ -79,10 +79,7 @@ class Close(NamedTuple):
 
 
 def make_draw_function(shot: Shot, poses_per_frame: int, slow: float, settings: str) -> Draw:
-    """Return a function that draws frame k of a film: pose k * poses_per_frame of the shot.
-
-    `slow`: seconds of the film for each second of the run. `settings`: line of text on the simulation.
-    """
+    """Return a function that draws frame k: pose k * poses_per_frame. `slow`: seconds of film per second of the run."""
     canvas, readout = make_canvas(shot.name, settings, slow)
     centres, model = _view_centres(shot), raster.make_model(shot.mesh)
     main = _make_main_view(canvas, shot, centres)
@@ -125,10 +122,7 @@ def _view_centres(shot: Shot) -> Array:
 
 
 def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
-    """Return the view of the whole walker, to scale, with a plate larger than its run.
-
-    `centres`: centre of the view at each pose, shape (n, 3), mm.
-    """
+    """Return the view of the whole walker, to scale. `centres`: centre of the view at each pose, shape (n, 3), mm."""
     poses = shot.poses
     shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
     covered = np.concatenate(
@@ -183,10 +177,7 @@ def _add_moving_signs(canvas: Canvas, view: View) -> None:
 
 
 def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
-    """Return the view of the feet alone, with magnified heights.
-
-    `centres`: centre of the view at each pose, shape (n, 3), mm.
-    """
+    """Return the view of the feet, heights magnified. `centres`: centre of the view at each pose, shape (n, 3), mm."""
     corners = shot.poses.corners - centres[:, None]
     flat = corners[..., [0, 2]].reshape(-1, 2)
     (left, near), (right, far) = flat.min(axis=0), flat.max(axis=0)

@@ -153,10 +153,9 @@ def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, v
 
 
 def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: Mask) -> None:
-    """Draw the visible sharp edges: set `number`, shape (height, width), to the number of triangles along them.
+    """Draw the visible sharp edges: set `number`, shape (height, width), to the ink's index, len(facing).
 
-    `near`: inverse distance at each sample. `points`: projected vertices, shape (v, 3). `facing`: True for triangles
-    that face the camera.
+    `near`: inverse distances. `points`: projected vertices, shape (v, 3). `facing`: triangles toward the camera.
     """
     edges = model.edges[facing[model.edges[:, 2]] | facing[model.edges[:, 3]]]
     ends = points[edges[:, :2]]
@@ -172,10 +171,7 @@ def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model
 
 
 def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
-    """Return RGBA of every triangle, then of ink, then of the transparent background, shape (m + 2, 4).
-
-    `normals`: in the camera's axes, shape (m, 3). `colour` and `ink`: #rrggbb.
-    """
+    """Return RGBA of faces, from normals (m, 3) in the camera's axes, then ink and transparent: shape (m + 2, 4)."""
     light = LIGHT_DIRECTION / np.linalg.norm(LIGHT_DIRECTION)
     bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
     full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))

@@ -69,9 +69,8 @@ def make_draw_function(
 ) -> Draw:
     """Return a function that draws frame k of a film: pose k * poses_per_frame of all runs. Ended runs stay.
 
-    `slow`: seconds of the film for each second of the run. `settings`: line of text on the simulation. `period`: of the
-    drive, s. `gap`: distance of a lane's walls, mm; None without walls. Impacts are shown if a frame is shorter than a
-    period.
+    `slow`: seconds of film per second of the run. `settings`: text on the simulation. `period`: of the drive, s. `gap`:
+    distance of walls, mm; None without. Impacts are shown if a frame is shorter than a period.
     """
     windows = [_window(shot, gap) for shot in shots]
     left, right = min(window.left for window in windows), max(window.right for window in windows)
@@ -141,11 +140,7 @@ def _make_arena(
     gap: float | None,
     interval: float,
 ) -> Arena:
-    """Add the arena of a walker to the canvas and return it.
-
-    `bottom` and `height`: pixels. `middle`: centre of the visible plate, mm. `scale`: pixels per mm. `gap`: distance of
-    walls, mm. `interval`: time between dots on the trail, s.
-    """
+    """Add an arena to the canvas. Lengths in pixels; `middle` and `gap` of walls in mm, `interval` of dots in s."""
     axes = canvas.axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
     set_scale(axes, middle, scale)
     axes.set_facecolor(GROUND_COLOUR)
@@ -213,10 +208,7 @@ def _format_readout(shot: Shot, at: int) -> str:
 
 
 def _draw_scale_bar(canvas: Canvas, scale: float, interval: float) -> None:
-    """Draw a scale bar of a round length at the bottom, and explain the marks.
-
-    `scale`: pixels per mm. `interval`: time between dots, s.
-    """
+    """Draw a scale bar and explain the marks. `scale`: pixels per mm. `interval`: time between dots, s."""
     length = nice_floor(200.0 / scale)
     axes = canvas.axes(MARGIN_PX, 18, length * scale, 6)
     axes.set_xlim(0, 1)

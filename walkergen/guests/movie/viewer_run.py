@@ -14,10 +14,7 @@ POSES_PER_SECOND = 2000.0
 
 
 def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
-    """Simulate a run of some seconds and return the data that the page's viewer plays, as JSON values.
-
-    Raises InputError if the run ends immediately.
-    """
+    """Simulate a run of `seconds` and return data for the page's viewer. Raises InputError if it ends immediately."""
     mass = mass_of(design)
     short = scene.run.model_copy(update={"seconds": seconds})
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / POSES_PER_SECOND)
@@ -30,8 +27,7 @@ def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
     """Pack poses and landings for the page's viewer, as little-endian float32 in base64.
 
     `O`: the walker's reference point in its mesh, shape (3,), mm. A pose is a shift (mm) and a quaternion (x, y, z,
-    scalar) of the mesh. A landing is its time (s), its corner and its impulse over the largest. `plate`: height (mm) at
-    each pose, if the plate moves.
+    scalar) of the mesh. A landing is time (s), corner and impulse over the largest. `plate`: heights (mm), if it moves.
     """
     R = motion.rotations
     shift = motion.places - R @ O

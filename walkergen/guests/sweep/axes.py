@@ -104,10 +104,7 @@ def from_text(key: str, value: str, source: str) -> Axis | Span:
 
 
 def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
-    """Return the axis of a key with these values, each once.
-
-    Raises InputError, which begins with `source`, for no or too many values, inf, NaN and dates.
-    """
+    """Return the axis of a key with these values, each once. Raises InputError, which begins with `source`."""
     if not values:
         raise InputError(f"{source}: has no values. Write at least one.")
     if len(values) > MAX_VALUES:
@@ -159,10 +156,7 @@ def _split_list(text: str) -> list[str]:
 
 
 def _range_values(words: Sequence[str], source: str) -> list[float]:
-    """Return the values of a range, both ends included, as int if all words are whole numbers.
-
-    `words`: FIRST, LAST and STEP. Raises InputError, which begins with `source`.
-    """
+    """Return the values of a range from the words FIRST, LAST and STEP, both ends included, as int if all are whole."""
     first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
         raise InputError(f"{source}: step {step:g} does not lead from first to last")

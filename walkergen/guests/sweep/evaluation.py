@@ -86,10 +86,7 @@ def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: Worker
 def _evaluate_by_pool(
     stream: Iterator[PointOrRefusal], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
-    """Yield the records of points in their order, evaluated by a pool.
-
-    `under_way`: filled here with the tasks, by future, whose records are not yet saved.
-    """
+    """Yield the records of points in order, evaluated by a pool. Tasks with unsaved records are in `under_way`."""
     slots: deque[_Slot] = deque()
     more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
     while more or slots:

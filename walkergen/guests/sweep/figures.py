@@ -53,10 +53,7 @@ def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
 
 
 def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
-    """Draw one panel for one or two keys: lines or a map.
-
-    `ranked`: the scales, that of the x axis first.
-    """
+    """Draw one panel, lines or a map, for one or two keys. `ranked`: their scales, that of the x axis first."""
     with _make_sheet(title, 1) as (drawn, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
         if _has_lines(scales):

@@ -31,10 +31,7 @@ MAX_LOCAL_POINTS = 512
 
 
 def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepReport:
-    """Evaluate all points of a request, in this process or in several, and return the report.
-
-    `expect`: receives a function that estimates the time.
-    """
+    """Evaluate all points of a request and return the report. `expect`: receives a function that estimates the time."""
     sweep = sweep_setup.read_points(request)
     folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
     few = not request.from_shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)

@@ -107,10 +107,7 @@ def _line_colour(norm: Normalize, value: float) -> str:
 
 
 def draw_lines(axes: Axes, columns: Columns, x: Scale, line_scale: Scale | None, rows: Mask) -> None:
-    """Draw the number of the chosen rows over the key `x`, with a line for each value of the key `line_scale`.
-
-    `rows`: True for points to draw, shape (n,).
-    """
+    """Draw the points where `rows` is True over the key `x`, with a line for each value of the key `line_scale`."""
     count = 1 if line_scale is None else len(line_scale.values)
     for number in range(count):
         chosen = rows if line_scale is None else rows & (line_scale.which == number)

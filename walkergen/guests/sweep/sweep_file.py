@@ -196,10 +196,7 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
 
 
 def _parse_axis(key: str, value: Any, place: str) -> Axis:
-    """Return the axis of a key from text as on the command line, a list of values, or one value.
-
-    Raises InputError, which begins with `place`.
-    """
+    """Return the axis of a key from text, a list or one value. Raises InputError, which begins with `place`."""
     if isinstance(value, str):
         axis = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(axis, Span):

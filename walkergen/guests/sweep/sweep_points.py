@@ -82,10 +82,7 @@ class SweepPoints(NamedTuple):
         raise InputError(f"all {len(reasons)} points are invalid: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
-        """Raise InputError for a text, list or table that its key never accepts.
-
-        Numbers out of range are no error here, they become rows with an error.
-        """
+        """Raise InputError for a text, list or table that its key never accepts; numbers are checked at each point."""
         source = "‹set›" if self.file is None else f"{self.file}: grid"
         try:
             change_keys(self.design, self.scene, {key: value}, source, self.data)

@@ -89,10 +89,7 @@ def make_points(
 def _read_sources(
     sources: tuple[Any, Any, Any], near: Path, constants: Mapping[str, Any], model: str, source: str
 ) -> tuple[Design, Scene, Printer | None, Mapping[str, Any] | None]:
-    """Return design, scene and printer with the constants set, and the data of the design's file, if it has one.
-
-    Arguments as of `make_points`.
-    """
+    """Return design, scene and printer with constants set, and the data of the design's file. See `make_points`."""
     design, scene, printer = sources
     for key in constants:
         sweep_points.check_key(key, f"{source} {key}")
