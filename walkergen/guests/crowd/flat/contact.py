@@ -1,8 +1,8 @@
 """Contacts of bodies in a plane: spring, dashpot and friction of touching discs.
 
-LAMMPS has no impact law that fixes the restitution of bodies of any shape: its dashpot takes more
-where the struck point is light. It is set for a typical point, at which both the mean over the
-outline and e agree; `tests/guests/crowd/test_flat_collisions.py` says how far e then strays from hit to hit.
+LAMMPS has no impact law with a fixed restitution for bodies of any shape: its dashpot dissipates more where the struck
+point has a small effective mass. The dashpot is set for a point with the mean inverse mass along the outline.
+`tests/guests/crowd/test_flat_collisions.py` measures how much the restitution then varies from hit to hit.
 """
 
 import math
@@ -60,10 +60,10 @@ class Contacts(NamedTuple):
 
 
 def restitution(zeta: float) -> float:
-    """Return the speed after over the speed before, for a spring and a dashpot that never pull.
+    """Return the speed after a hit over the speed before, for a spring and a dashpot that never pull.
 
-    They part when the force is zero, as Schwager and Poeschel, Granular Matter 9, 465 (2007), ask.
-    zeta is the damping over its critical value 2 sqrt(k m).
+    They part when the force is zero (Schwager and Poeschel, Granular Matter 9, 465, 2007). `zeta`: damping over its
+    critical value 2 sqrt(k m).
     """
     if abs(zeta - 1.0) < 1e-6:
         return math.exp(-2.0)
@@ -73,26 +73,29 @@ def restitution(zeta: float) -> float:
     return math.exp(-zeta / root * math.log((zeta + root) / (zeta - root)))
 
 
-def damping_ratio(wanted: float) -> float:
-    """Compute the damping over its critical value, for a restitution between MIN_RESTITUTION and MAX_RESTITUTION."""
-    wanted = min(max(wanted, MIN_RESTITUTION), MAX_RESTITUTION)
-    return float(brentq(lambda zeta: restitution(zeta) - wanted, 0.0, 10.0))
+def damping_ratio(target: float) -> float:
+    """Return the damping over its critical value for a target restitution, clipped to a dashpot's range."""
+    target = min(max(target, MIN_RESTITUTION), MAX_RESTITUTION)
+    return float(brentq(lambda zeta: restitution(zeta) - target, 0.0, 10.0))
 
 
 def typical_inverse_mass(card: Card) -> float:
-    """Return the inverse mass of a typical point of the outline, normal to it, 1/g: the mean along it."""
+    """Return the mean inverse mass (1/g) that points of a card's outline have for pushes normal to it."""
     edge = outline_rim(card)
     arms = edge.points[:, 0] * edge.inwards[:, 1] - edge.points[:, 1] * edge.inwards[:, 0]
     return float(np.mean(1.0 / card.mass_g + arms**2 / card.inertia_g_mm2))
 
 
 def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
-    """Compute the contacts of the kinds among each other and with walls."""
-    light = [typical_inverse_mass(card) for card in cards]
-    give = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
+    """Compute the contact forces between all kinds and with walls, and the longest step that resolves them.
+
+    `cards`, `motions`, `discs`: one entry for each kind.
+    """
+    inverses = [typical_inverse_mass(card) for card in cards]
+    overlap = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
     speed = max(2.0 * _approach_speed(motion) for motion in motions)
-    stiffness = 1.0 / min(light) * (max(speed, 1.0) / give) ** 2
-    masses = {(i, j): 1.0 / (light[i] + light[j]) for i, j in combinations_with_replacement(range(len(cards)), 2)}
+    stiffness = 1.0 / min(inverses) * (max(speed, 1.0) / overlap) ** 2
+    masses = {(i, j): 1.0 / (inverses[i] + inverses[j]) for i, j in combinations_with_replacement(range(len(cards)), 2)}
     pairs = {
         (i, j): _contact_law(
             stiffness,
@@ -103,25 +106,26 @@ def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequen
         for (i, j), mass in masses.items()
     }
     walls = [
-        _contact_law(stiffness, 1.0 / one, card.wall_restitution, card.wall_friction)
-        for one, card in zip(light, cards, strict=True)
+        _contact_law(stiffness, 1.0 / inverse, card.wall_restitution, card.wall_friction)
+        for inverse, card in zip(inverses, cards, strict=True)
     ]
-    touch = math.pi * math.sqrt(min(masses.values()) / stiffness)
+    contact_time = math.pi * math.sqrt(min(masses.values()) / stiffness)
     memory = min(min(motion.relaxation, motion.sideways_relaxation, motion.turning_relaxation) for motion in motions)
-    fading = min(
+    damping_time = min(
         *(mass / pairs[kinds].damping for kinds, mass in masses.items()),
-        *(1.0 / one / wall.damping for one, wall in zip(light, walls, strict=True)),
+        *(1.0 / inverse / wall.damping for inverse, wall in zip(inverses, walls, strict=True)),
     )
-    step = min(touch / STEPS_IN_TOUCH, fading / STEPS_IN_DAMPING, memory / STEPS_IN_MEMORY)
+    step = min(contact_time / STEPS_IN_TOUCH, damping_time / STEPS_IN_DAMPING, memory / STEPS_IN_MEMORY)
     return Contacts(pairs, walls, step)
 
 
 def _approach_speed(motion: Motion) -> float:
-    """Return the typical speed of a point at the radius of gyration, mm/s."""
+    """Return the typical speed of a body's points at the radius of gyration, mm/s."""
     speed, rate = motion.typical
     return speed + rate * math.sqrt(motion.inertia / motion.mass)
 
 
-def _contact_law(stiffness: float, mass: float, wanted: float, friction: float) -> Contact:
+def _contact_law(stiffness: float, mass: float, target_restitution: float, friction: float) -> Contact:
+    """Return the forces of a contact with this stiffness (g/s^2), effective mass (g), restitution and friction."""
     root = math.sqrt(stiffness * mass)
-    return Contact(stiffness, 2.0 * damping_ratio(wanted) * root, TANGENTIAL_DAMPING * root, friction)
+    return Contact(stiffness, 2.0 * damping_ratio(target_restitution) * root, TANGENTIAL_DAMPING * root, friction)

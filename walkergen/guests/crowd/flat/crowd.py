@@ -25,7 +25,7 @@ class FlatRun(NamedTuple):
 
 
 def simulate(crowd: Crowd, progress: Progress = silent) -> FlatRun:
-    """Run a crowd with LAMMPS and read back where its walkers were.
+    """Run a crowd with LAMMPS and return the positions of its walkers.
 
     Equal crowds give the same bits. Progress counts frames. The files are in a temporary folder, deleted after the run.
     Raises InputError if LAMMPS is absent, too old or stopped; OutputError if the disk is full.
@@ -34,8 +34,9 @@ def simulate(crowd: Crowd, progress: Progress = silent) -> FlatRun:
     parts = lammps_input.mechanics(crowd.cards)
     stride = lammps_input.steps_per_frame(crowd, parts)
 
-    def report_frames(what: str, step: int, _: int) -> None:
-        progress(what, step // stride, crowd.frames - 1)
+    def report_frames(task: str, step: int, _: int) -> None:
+        """Report the frame that a step of LAMMPS belongs to."""
+        progress(task, step // stride, crowd.frames - 1)
 
     with tempfile.TemporaryDirectory(prefix="walkergen-crowd-") as place:
         folder = Path(place)
@@ -47,5 +48,5 @@ def simulate(crowd: Crowd, progress: Progress = silent) -> FlatRun:
 
 
 def input_files(crowd: Crowd) -> dict[str, bytes]:
-    """Return the LAMMPS input of the same run by file name, for `lmp -in crowd.in` on another machine."""
+    """Return a crowd's LAMMPS input by file name, for `lmp -in crowd.in` on another machine."""
     return lammps_input.input_files(crowd, lammps_input.mechanics(crowd.cards))

