@@ -193,7 +193,7 @@ def judged(speed, turning, relaxed, relaxed_se=1e-4):
     time = known.time._replace(value=relaxed, se=relaxed_se)
     velocity = known._replace(time=time, deviation=1.0)
     numbers = (Quantity("number", "", value, 0.01) for value in (speed, turning, 0.01))
-    return overdamped.judge(*numbers, velocity, 28.0).enough
+    return overdamped.assess_inertia(*numbers, velocity, 28.0).enough
 
 
 def test_a_model_without_inertia_is_enough_for_what_neither_turns_nor_coasts():

@@ -163,7 +163,7 @@ def heading_colours() -> Array:
 
 def _make_colour_function(film: CrowdFilm) -> Callable[[Array], Array]:
     """Return a function from headings to the colour of each walker, shape (N, 3)."""
-    if film.headed:
+    if film.has_headings:
         wheel = np.vstack([heading_colours(), to_rgb(PLATE_COLOUR)])
 
         def wheel_colours(theta: Array) -> Array:
@@ -198,7 +198,7 @@ def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
 
 def _walker_size(film: CrowdFilm) -> float:
     """Return the mean outer diameter, or without outlines half the distance to a neighbour, mm."""
-    if film.sized:
+    if film.has_sizes:
         return 2.0 * float(film.radii.mean())
     return 0.5 * math.sqrt(film.dish.area / film.x.shape[1])
 
@@ -206,7 +206,7 @@ def _walker_size(film: CrowdFilm) -> float:
 def _symbol_outline(film: CrowdFilm) -> Array:
     """Return the shape of walkers without an outline: a dart along the heading, or a disc without headings."""
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
-    shape = DART_SHAPE if film.headed else 0.35 * np.column_stack([np.cos(angle), np.sin(angle)])
+    shape = DART_SHAPE if film.has_headings else 0.35 * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.asarray(_walker_size(film) * shape)
 
 
@@ -261,7 +261,7 @@ def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None)
     walkers = film.x.shape[1]
     words = f"{walkers} walker{'s' * (walkers != 1)}, {film.dish.words}{pace}"
     canvas.text(0.5 * WIDTH_PX, 12, words, fontsize=SMALL_PT, ha="center")
-    if film.headed:
+    if film.has_headings:
         wheel = canvas.axes(WIDTH_PX - MARGIN_PX - 32, 4, 32, 32)
         for at, hue in enumerate(heading_colours()):
             ends = (360.0 * (at - 0.5) / HUE_COUNT, 360.0 * (at + 0.5) / HUE_COUNT)

@@ -30,10 +30,8 @@ Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 Corner = Annotated[list[Value], Field(min_length=2, max_length=2)]
 Contour = Annotated[list[Corner], Field(min_length=3, max_length=100_000)]
 
-
 MIN_AREA_MM2 = 1e-6
 """Least area of a contour, mm^2."""
-
 
 KEY_UNITS = ("mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
 """Units that keys of a card end in, those first that end in others."""
@@ -50,7 +48,7 @@ class _Number(Section):
 
 
 def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
-    """Convert a number of the file to a quantity, named after its field."""
+    """Convert a number of the file to a quantity that is named after its field."""
     if isinstance(data, Quantity):
         return data
     number: _Number = validate(data)
@@ -69,7 +67,7 @@ else:  # A file contains a table. The validator turns it into a quantity.
 
 
 def field_quantity(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
-    """Return the quantity of a card's field, from so many independent runs."""
+    """Return the quantity of a card's field, measured in `runs` independent runs."""
     unit = next((unit for unit in KEY_UNITS if field.endswith(f"_{unit}")), "")
     return Quantity(field.removesuffix(f"_{unit}"), unit, value, se, math.inf if runs is None else runs - 1.0)
 
@@ -137,6 +135,7 @@ class Card(Section):
     @field_validator("outline_mm")
     @classmethod
     def _check_contours(cls, contours: list[Contour]) -> list[Contour]:
+        """Return the contours. Raises ValueError for one that is clockwise or too small."""
         for number, contour in enumerate(contours, start=1):
             size = area(contour)
             if size < MIN_AREA_MM2:
@@ -166,6 +165,7 @@ class Card(Section):
 
     @model_validator(mode="after")
     def _check_nonnegative(self) -> "Card":
+        """Return the card. Raises ValueError for a negative relaxation time, diffusion or spread."""
         for key in (
             "velocity_relaxation_s",
             "rotational_diffusion_rad2_s",
@@ -187,7 +187,7 @@ def area(contour: Contour) -> float:
 
 
 def read_card(path: Path) -> Card:
-    """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
+    """Read a card. Raises InputError for a file that is incomplete or has an invalid number."""
     data = read_json(path)
     if not isinstance(data, dict):
         raise InputError(f"{path}: is not a card. Use a file that `walkergen crowd --card` wrote.")

@@ -44,8 +44,8 @@ def measure(tracks: Tracks) -> Delay:
         cuts = math.ceil(MIN_PIECES / max(len(series), 1))
         series = [
             (velocity, unit)
-            for whole, headings in series
-            for velocity, unit in zip(np.array_split(whole, cuts), _split_headings(headings, cuts), strict=True)
+            for total, headings in series
+            for velocity, unit in zip(np.array_split(total, cuts), _split_headings(headings, cuts), strict=True)
         ]
     longest = max((len(velocity) for velocity, _ in series), default=0) // 4
     none = np.zeros(0)
@@ -54,10 +54,10 @@ def measure(tracks: Tracks) -> Delay:
         return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(none, none, none))
     lags = np.arange(min(longest, MAX_LAGS), dtype=np.int64)
     sums = np.array([_correlation_sums(velocity, unit, lags) for velocity, unit in series])
-    whole = sums.sum(axis=0)
-    both = np.array([_correlations(one) for one in (whole, *(whole - own for own in sums))])
-    function = both[:, 0] - both[:, 1]
-    mean = both.mean(axis=1)
+    total = sums.sum(axis=0)
+    correlations = np.array([_correlations(one) for one in (total, *(total - own for own in sums))])
+    function = correlations[:, 0] - correlations[:, 1]
+    mean = correlations.mean(axis=1)
     at_once = 1.5 * mean[:, 0] - 0.5 * mean[:, 1]
     fallen = np.flatnonzero(mean[0] < CUTOFF_SHARE * at_once[0])
     end = max(int(fallen[0]), 2) if len(fallen) else len(lags) - 1
@@ -82,7 +82,10 @@ def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxatio
 
 
 def _mean_delay(areas: Array, lost: Array) -> Quantity:
-    """Return half of the areas over the loss of correlation, first of all samples."""
+    """Return the mean delay (s): half the integral of the delay function over the loss of correlation.
+
+    `areas` (mm) and `lost` (mm/s): integral and loss of all samples, then without each sample in turn.
+    """
     error = float(jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
         reason = "headings hardly turn, or there is no speed along them. Film for longer"
@@ -97,13 +100,13 @@ def _has_heading(track: Track) -> bool:
 
 
 def _velocities_and_headings(track: Track, interval: float) -> tuple[Complex, Complex]:
-    """Return velocities over each interval, mm/s, and unit vectors of the headings at all samples."""
+    """Return velocities over each interval (mm/s) and unit vectors of the headings, complex numbers x + i y."""
     assert track.heading is not None
     return np.diff(moments.complex_position(track)) / interval, np.exp(1j * track.heading)
 
 
 def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
-    """Split headings into pieces that have one more heading than velocities."""
+    """Split unit vectors of headings into pieces, each with one heading more than it has velocities."""
     parts = np.array_split(np.arange(len(unit) - 1), cuts)
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 
@@ -116,6 +119,6 @@ def _correlation_sums(velocity: Complex, unit: Complex, lags: Whole) -> Array:
 
 
 def _correlations(sums: Array) -> Array:
-    """Compute the mean products v(t) . e(0) and v(0) . e(t), shape (2, lags)."""
+    """Compute the means v(t) . e(0) and v(0) . e(t) from `_correlation_sums`, shape (2, lags)."""
     after, pairs, before, others = sums
     return np.array([after / np.maximum(pairs, 1.0), before / np.maximum(others, 1.0)])

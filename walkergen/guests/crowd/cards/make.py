@@ -62,7 +62,7 @@ def default_folder(design: Design) -> Path:
 
 
 def from_design(scene: Scene, design: Design, progress: Progress) -> CardReport:
-    """Measure a card from simulated runs of a single walker. Raises InputError before or after they run."""
+    """Measure a card from simulated runs of a single walker. Raises InputError if that fails."""
     mass = mass_of(design)
     motion = walker_motion.simulate_walker(scene, design, mass, progress)
     return report.make_report(make_card(scene, design, mass, motion), motion)
@@ -75,9 +75,9 @@ def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardRep
 
 
 def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
-    """Make a card from a measured motion.
+    """Make the card of a design in a scene from a measured motion.
 
-    Raises InputError where one of the numbers that every card has is not known.
+    Raises InputError if a number that every card needs is unknown.
     """
     found = motion.motion.estimates
     needed = {
@@ -116,13 +116,13 @@ def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measur
         friction=scene.crowd.friction,
         wall_restitution=scene.arena.wall_restitution,
         wall_friction=scene.arena.wall_friction,
-        overdamped=overdamped.judge(speed, turning, rotation, motion.velocity, length),
+        overdamped=overdamped.assess_inertia(speed, turning, rotation, motion.velocity, length),
         **numbers,
     )
 
 
 def _optional_quantity(field: str, number: Quantity, runs: int) -> Quantity | None:
-    """Return the quantity of a card's field; None if it has no value."""
+    """Return the quantity of a card's field; None if the number has no value."""
     if number.value is None:
         return None
     return field_quantity(field, float(number.value), None if number.se is None else float(number.se), runs)

@@ -23,8 +23,13 @@ SOURCES = (
 """Published results for printed walkers."""
 
 
-def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float) -> Overdamped:
-    """Judge from a walker's turn and coasting distance while its velocity relaxes."""
+def assess_inertia(
+    speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
+) -> Overdamped:
+    """Decide whether a model without inertia is enough, from a walker's turn and coasting distance.
+
+    `turning`: mean turning rate. `rotation`: rotational diffusion. `velocity`: relaxation of the velocity.
+    """
     shares = inertial_shares(speed, turning, rotation, velocity, length_mm)
     reason = "; ".join(map(_format_share, shares))
     verdicts = {share.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for share in shares}
@@ -38,7 +43,10 @@ def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Rela
 def inertial_shares(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> tuple[Quantity, Quantity]:
-    """Compute a walker's turn, in radians of heading, and its coasting distance over its length."""
+    """Compute how far a walker turns (rad) and coasts (in lengths of its body) while its velocity relaxes.
+
+    `turning`: mean turning rate. `rotation`: rotational diffusion. `velocity`: relaxation of the velocity.
+    """
     time, time_se = velocity.time.number, velocity.time.se or 0.0
     rate = rotation.number + abs(turning.number)
     rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)
@@ -54,7 +62,7 @@ def inertial_shares(
 
 
 def _format_share(share: Quantity) -> str:
-    """Format a share with its error, and its side of the limit."""
+    """Format the turn or the coasting distance with its error, and its side of the limit."""
     side = "above" if share.number > NEGLIGIBLE_SHARE else "below"
     return f"{share.key}: {format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
 

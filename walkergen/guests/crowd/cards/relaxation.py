@@ -2,9 +2,10 @@
 
 A walker of mass m in friction gamma follows its heading e by m dv/dt = gamma (v0 e - v) + noise,
 an active Brownian particle with inertia (Scholz, Jahanshahi, Ldov, Loewen, Nat. Commun. 9, 5156,
-2018); so does its rate of turning its mean. The part of the velocity that the heading explains, as
-a velocity follows it, is taken off each walker; the rest, its correlation and its spread, tell the
-time of relaxation m / gamma and the diffusion.
+2018); so does its rate of turning its mean. The part of the velocity that the heading explains is subtracted
+for each walker. The correlation and the spread of the rest give the relaxation time m / gamma and the
+diffusion. Vectors in the plane are complex numbers x + i y. `exact` marks tracks without noise of
+positions, as of simulations. `followed` is a unit velocity that lags behind the heading.
 """
 
 import math
@@ -62,37 +63,40 @@ class Relaxation(NamedTuple):
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
     """Measure the velocity's relaxation (mm/s), and the translational diffusion (mm^2/s) of each axis.
 
-    Tracks have headings; `exact` marks positions without noise, as from a simulation.
+    The tracks have headings. The relaxation time is found by iteration.
     """
-    seconds, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
-    relaxed, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
+    relaxation_time, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
+    relaxation, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
     for _ in range(MAX_ITERATIONS):
-        followed = [_lagged_heading(track, seconds / tracks.interval) for track in tracks.tracks]
-        skip = math.ceil(TRANSIENT_RELAXATIONS * seconds / tracks.interval)
+        followed = [_lagged_heading(track, relaxation_time / tracks.interval) for track in tracks.tracks]
+        skip = math.ceil(TRANSIENT_RELAXATIONS * relaxation_time / tracks.interval)
         rest = [
             _residual_velocity(track, unit, skip, tracks.interval)
             for track, unit in zip(tracks.tracks, followed, strict=True)
         ]
-        diffusion = _residual_diffusion(tracks, followed, skip, size, seconds)
-        relaxed = fit_relaxation(VELOCITY_KEY, rest, tracks.interval, exact, diffusion)
-        found = relaxed.time.value
-        if found is None or abs(found - seconds) < 1e-3 * seconds:
+        diffusion = _residual_diffusion(tracks, followed, skip, size, relaxation_time)
+        relaxation = fit_relaxation(VELOCITY_KEY, rest, tracks.interval, exact, diffusion)
+        new_time = relaxation.time.value
+        if new_time is None or abs(new_time - relaxation_time) < 1e-3 * relaxation_time:
             break
-        seconds = found
+        relaxation_time = new_time
     piece = size * tracks.interval
-    if (relaxed.time.value or 0.0) > piece:
-        reason = f"relaxes within {relaxed.time.value:.2g} s, longer than pieces of {piece:.2g} s"
-        relaxed = _missing_relaxation(VELOCITY_KEY, f"{reason}. Use longer runs or films")
-    if relaxed.time.value is None:
-        diffusion = refusal(DIFFUSION_KEY, relaxed.time.refused)
-    if relaxed.noise and diffusion.value is not None:
-        raised = relaxed.noise**2 / piece
+    if (relaxation.time.value or 0.0) > piece:
+        reason = f"relaxes within {relaxation.time.value:.2g} s, longer than pieces of {piece:.2g} s"
+        relaxation = _missing_relaxation(VELOCITY_KEY, f"{reason}. Use longer runs or films")
+    if relaxation.time.value is None:
+        diffusion = refusal(DIFFUSION_KEY, relaxation.time.refused)
+    if relaxation.noise and diffusion.value is not None:
+        raised = relaxation.noise**2 / piece
         diffusion = diffusion._replace(value=max(diffusion.value - raised, 0.0))
-    return relaxed, diffusion
+    return relaxation, diffusion
 
 
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
-    """Measure the velocity's relaxation along the earlier heading, given that of both axes."""
+    """Measure the relaxation of the velocity along the earlier heading.
+
+    `both`, `diffusion`: relaxation and translational diffusion of both axes, from `measure_velocity`.
+    """
     rests, ahead = [], []
     for track in tracks.tracks:
         rest, middle = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
@@ -102,7 +106,7 @@ def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusi
 
 
 def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
-    """Measure the relaxation of the turning rate (rad/s), given the heading's diffusion, rad^2/s."""
+    """Measure the relaxation of the turning rate (rad/s). `diffusion`: of the heading, rad^2/s."""
     rates = []
     for track in tracks.tracks:
         unit = np.exp(1j * _headings(track))
@@ -120,10 +124,11 @@ def fit_relaxation(
     axes: int = 2,
     parts: Sequence[Complex] | None = None,
 ) -> Relaxation:
-    """Measure the relaxation `key` of series about their means, each over `interval` s, of one axis or two.
+    """Fit the relaxation `key` to the correlation of fluctuations, with a jackknife over independent samples.
 
-    Where a place has noise, neighbours share it: their correlation starts at the second lag. With `parts` of the
-    series, what is left of them later.
+    `rest`: fluctuations of each track about its mean, averaged over `interval` (s). `axes`: how many they have, 1 or 2.
+    `diffusion`: of each axis. `parts`: components of `rest` to correlate with later `rest`; by default `rest` itself.
+    If positions have noise, neighbouring intervals share it, so the fit starts at the second lag.
     """
     pieces = _independent_samples(rest)
     earlier = pieces if parts is None else _independent_samples(parts)
@@ -162,28 +167,32 @@ def fit_relaxation(
 
 
 def _unresolved_relaxation(
-    key: str, square: float, squares: Array, diffusion: Quantity, interval: float, curve: Curve
+    key: str, mean_square: float, jackknife: Array, diffusion: Quantity, interval: float, curve: Curve
 ) -> Relaxation:
-    """Find a relaxation within a sample: the time of an Ornstein-Uhlenbeck process of this spread and diffusion."""
+    """Compute a relaxation shorter than `interval`: that of an Ornstein-Uhlenbeck process with this diffusion.
+
+    `mean_square`: of all fluctuations. `jackknife`: the same without each sample in turn.
+    """
     assert diffusion.value is not None
-    whole = _relaxation_time(square, diffusion.value, interval)
-    others = [_relaxation_time(own, diffusion.value, interval) for own in squares]
-    se = float(jackknife_error(np.array(others)[:, None])[0])
+    whole = _relaxation_time(mean_square, diffusion.value, interval)
+    times = [_relaxation_time(own, diffusion.value, interval) for own in jackknife]
+    se = float(jackknife_error(np.array(times)[:, None])[0])
     if diffusion.se is not None:
-        more = _relaxation_time(square, diffusion.value + diffusion.se, interval)
+        more = _relaxation_time(mean_square, diffusion.value + diffusion.se, interval)
         se = math.hypot(se, more - whole)
-    deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(square, 0.0))
-    relaxed = Quantity(key, "s", whole, se, len(squares) - 1.0)
+    deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(mean_square, 0.0))
+    relaxed = Quantity(key, "s", whole, se, len(jackknife) - 1.0)
     return Relaxation(relaxed, False, deviation, 0.0, curve)
 
 
-def _relaxation_time(square: float, diffusion: float, interval: float) -> float:
-    """Compute the relaxation time (s) from the mean square of means over `interval`; 0 if no time fits."""
-    ratio = square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
+def _relaxation_time(mean_square: float, diffusion: float, interval: float) -> float:
+    """Return the relaxation time (s) for a mean square of means over `interval` s, 0 if none fits."""
+    ratio = mean_square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
     if not 0.0 < ratio < 1.0:
         return 0.0
 
     def excess(x: float) -> float:
+        """Return the ratio for a relaxation time of `interval` / x, less the measured ratio."""
         return 1.0 + math.expm1(-x) / x - ratio
 
     if excess(1e-6) > 0.0 or excess(1e9) < 0.0:
@@ -192,13 +201,14 @@ def _relaxation_time(square: float, diffusion: float, interval: float) -> float:
 
 
 def _fit_exponentials(
-    values: Sequence[Array], errors: Array, interval: float, first: int
+    correlations: Sequence[Array], errors: Array, interval: float, first: int
 ) -> list[tuple[float, float]] | None:
-    """Fit the height and time (s) of an exponential, to all samples and without each; None where none fits.
+    """Fit the height and time (s) of an exponential to each of the correlations; None if one cannot be fitted.
 
-    Fitted from the first lag to that at which the first values have fallen to FIT_CUTOFF.
+    `correlations`: of all samples, then without each in turn. Fits go from lag number `first` to the lag at which the
+    correlation of all samples has fallen to FIT_CUTOFF.
     """
-    whole = values[0]
+    whole = correlations[0]
     if not whole[first] > 3.0 * errors[first] > 0.0:
         return None
     low = np.flatnonzero(whole[first:] < FIT_CUTOFF * whole[first])
@@ -211,21 +221,21 @@ def _fit_exponentials(
 
     start = float(whole[first]), 1.0 / (interval * end)
     fits = []
-    for value in values:
-        fitted = persistent_walk.fit(model, lag, value[window], errors[window], start)
+    for correlation in correlations:
+        fitted = persistent_walk.fit(model, lag, correlation[window], errors[window], start)
         if fitted is None or not fitted[1] > 0.0:
             return None
         fits.append((float(fitted[0]), 1.0 / float(fitted[1])))
     return fits
 
 
-def _independent_samples(rest: Sequence[Complex]) -> list[Complex]:
-    """Return independent samples: whole tracks, or pieces of the tracks of few walkers."""
-    long = [series for series in rest if len(series)]
-    if len(long) >= moments.MIN_PARTICLES:
-        return long
-    cuts = math.ceil(MIN_PIECES / max(len(long), 1))
-    return [piece for series in long for piece in np.array_split(series, cuts) if len(piece)]
+def _independent_samples(by_track: Sequence[Complex]) -> list[Complex]:
+    """Return independent samples of series by track: whole tracks, or if these are few their pieces."""
+    filled = [series for series in by_track if len(series)]
+    if len(filled) >= moments.MIN_PARTICLES:
+        return filled
+    pieces = math.ceil(MIN_PIECES / max(len(filled), 1))
+    return [piece for series in filled for piece in np.array_split(series, pieces) if len(piece)]
 
 
 def _headings(track: Track) -> Array:
@@ -234,7 +244,7 @@ def _headings(track: Track) -> Array:
 
 
 def _lagged_heading(track: Track, samples: float) -> Complex:
-    """Return means over each interval of a unit velocity that follows the heading within `samples` intervals.
+    """Return the mean over each interval of a unit velocity that relaxes to the heading in `samples` intervals.
 
     Headings turn steadily between samples, gaps included.
     """
@@ -261,7 +271,7 @@ def _lagged_heading(track: Track, samples: float) -> Complex:
 
 
 def _residual_velocity(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
-    """Subtract the best-fitting share of the `followed` velocity from the velocity, mm/s."""
+    """Return the velocity (mm/s) less its best-fitting multiple of `followed`, from interval `skip` on."""
     moved = np.diff(moments.complex_position(track))[skip:] / interval
     unit = followed[skip:]
     known = ~np.isnan(moved) & ~np.isnan(unit)
@@ -271,35 +281,38 @@ def _residual_velocity(track: Track, followed: Complex, skip: int, interval: flo
     return np.asarray(np.where(known, moved - share * unit, np.nan))
 
 
-def _residuals_and_headings(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex]:
-    """Return the velocity that the heading does not explain (mm/s), and the mean heading, of each interval."""
-    skip = math.ceil(TRANSIENT_RELAXATIONS * relaxed / interval)
-    rest = _residual_velocity(track, _lagged_heading(track, relaxed / interval), skip, interval)
+def _residuals_and_headings(track: Track, relaxation_time: float, interval: float) -> tuple[Complex, Complex]:
+    """Return the velocity that the heading does not explain (mm/s) and the mean heading, by interval."""
+    skip = math.ceil(TRANSIENT_RELAXATIONS * relaxation_time / interval)
+    rest = _residual_velocity(track, _lagged_heading(track, relaxation_time / interval), skip, interval)
     heading = np.exp(1j * _headings(track))
     turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
     return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)]
 
 
-def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:
-    """Compute the diffusion (mm^2/s) of each axis from residuals about the headings in pieces of tracks.
+def _residual_diffusion(
+    tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxation_time: float
+) -> Quantity:
+    """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of about `size` samples.
 
-    In each piece of t s that is 4 D t on average, once a share of the way along the headings is
-    fitted to all pieces of a walker; less what a time of relaxation takes off short pieces.
+    A multiple of the path along the heading is fitted to a walker's displacements in all pieces. The squared rest in a
+    piece of t s is 4 D t on average, less in short pieces because velocities relax. `skip`: samples left out at the
+    start.
     """
-    shares: list[Array] = []
-    for track, unit in zip(tracks.tracks, followed, strict=True):
-        ways, paths, seconds = _piece_displacements(track, unit, skip, size, tracks.interval)
+    diffusions: list[Array] = []
+    for track, velocity in zip(tracks.tracks, followed, strict=True):
+        ways, paths, seconds = _piece_displacements(track, velocity, skip, size, tracks.interval)
         if len(ways) < 2:
             continue
         fitted = np.sum(np.conj(paths) * ways / seconds) / np.sum(np.abs(paths) ** 2 / seconds)
-        late = 1.0 + relaxed / seconds * np.expm1(-seconds / relaxed) if relaxed else 1.0
+        late = 1.0 + relaxation_time / seconds * np.expm1(-seconds / relaxation_time) if relaxation_time else 1.0
         rest = np.abs(ways - fitted * paths) ** 2 / (4.0 * seconds * late)
-        shares.append(rest * len(ways) / (len(ways) - 1.0))
-    count = sum(len(own) - 1 for own in shares)
+        diffusions.append(rest * len(ways) / (len(ways) - 1.0))
+    count = sum(len(own) - 1 for own in diffusions)
     if count < MIN_SAMPLES:
         reason = f"{count} independent pieces of tracks, but at least {MIN_SAMPLES} are needed"
         return refusal(DIFFUSION_KEY, f"{reason}. Use more runs or longer films")
-    values = np.concatenate(shares)
+    values = np.concatenate(diffusions)
     se = float(values.std(ddof=1)) / math.sqrt(count)
     return quantity(DIFFUSION_KEY, float(values.mean()), se, float(count))
 
@@ -307,7 +320,10 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
 def _piece_displacements(
     track: Track, followed: Complex, skip: int, size: int, interval: float
 ) -> tuple[Complex, Complex, Array]:
-    """Return displacements of a track in pieces of about `size` samples, those along its heading, and times, s."""
+    """Split a track into pieces of about `size` samples, without the first `skip`.
+
+    Returns the displacement (mm) in each piece, that of a walker with the unit velocity `followed`, and the time (s).
+    """
     place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []
@@ -323,5 +339,6 @@ def _piece_displacements(
 
 
 def _missing_relaxation(key: str, reason: str) -> Relaxation:
+    """Return a relaxation that is refused for a reason."""
     none = np.zeros(0)
     return Relaxation(Quantity(key, "s", None, refused=reason), False, math.nan, 0.0, Curve(none, none, none))

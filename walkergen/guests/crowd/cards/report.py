@@ -42,7 +42,7 @@ class CardReport(Report):
 
 
 def make_report(card: Card, measured: Measured) -> CardReport:
-    """Report a card and how it was measured."""
+    """Make the report of a card and of how it was measured."""
     about = [card.scene] if card.scene else []
     about += [
         f"{format_number(card.mass_g)} g",
@@ -69,7 +69,7 @@ def make_report(card: Card, measured: Measured) -> CardReport:
 
 
 def _table(card: Card, measured: Measured) -> Table:
-    """Return the numbers of a card; a note explains why one is unknown or uncertain."""
+    """Return the table of a card's numbers. A note explains why one is unknown or uncertain."""
     notes = _missing_reasons(measured)
     rows = []
     for key in QUANTITY_LABELS:
@@ -79,7 +79,7 @@ def _table(card: Card, measured: Measured) -> Table:
         else:
             rows.append((key, None, None, None, note or "unknown"))
 
-    def value(row: tuple[str, float | None, float | None, int | None, str]) -> str:
+    def format_value(row: tuple[str, float | None, float | None, int | None, str]) -> str:
         _, value, se, _, note = row
         if value is None:
             return note
@@ -88,14 +88,14 @@ def _table(card: Card, measured: Measured) -> Table:
     columns = (
         Column("", lambda row: QUANTITY_LABELS[row[0]][0]),
         Column("", lambda row: QUANTITY_LABELS[row[0]][1]),
-        Column("value ± standard error", value),
+        Column("value ± standard error", format_value),
         Column("runs", lambda row: "" if row[3] is None else str(row[3]), right=True),
     )
     return Table("card", rows, ("quantity", "value", "se", "runs", "note"), columns, "Motion of a walker alone")
 
 
 def _missing_reasons(measured: Measured) -> dict[str, str]:
-    """Return the reasons for unknown numbers, or their bounds."""
+    """Return why numbers are unknown, or that they are bounds, by the keys of the card."""
     found = measured.motion.estimates
     reasons = {
         "delay_s": measured.delay.mean.refused,
@@ -134,6 +134,7 @@ def _motion_notes(measured: Measured) -> Iterator[str]:
 
 
 def _draw_card(card: Card, measured: Measured) -> "Figure":
+    """Draw the figure of a card. Only this loads matplotlib."""
     from walkergen.guests.crowd.cards import figures
 
     return figures.draw_card(card, measured)

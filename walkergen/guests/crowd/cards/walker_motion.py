@@ -79,14 +79,14 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
             f"scene.arena.kind = {scene.arena.kind!r}: a card needs a walker that can turn. "
             f"Use ‹scene=›{DEFAULT_SCENE}, or ‹set› scene.arena.kind=plane."
         )
-    own, ended = _simulate_tracks(scene, design, mass, progress)
+    level, ended = _simulate_tracks(scene, design, mass, progress)
     note = (
-        f"{len(own.tracks)} runs of {scene.run.seconds:g} s, sampled once in a period of the drive "
-        f"({format_number(1e3 * own.interval)} ms), which leaves out the bouncing: {ended}"
+        f"{len(level.tracks)} runs of {scene.run.seconds:g} s, sampled once in a period of the drive "
+        f"({format_number(1e3 * level.interval)} ms), which leaves out the bouncing: {ended}"
     )
     sloping, _ = _simulate_tracks(scene.variant(**SLOPE_SETTINGS), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
-    return measure_tracks(own, True, (note,))._replace(
+    return measure_tracks(level, True, (note,))._replace(
         sideways=sideways_relaxation(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG))),
         aligning=alignment.self_alignment(groups, sloping.interval, 0.0)[ALIGNMENT_NAMES[0]],
     )
@@ -109,19 +109,22 @@ def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progres
     return tracks.from_places(places, interval, lane=False), ended
 
 
-def sideways_relaxation(sloping: Tracks, force: float) -> Quantity:
+def sideways_relaxation(sloping: Tracks, acceleration: float) -> Quantity:
     """Estimate the time (s) after which a velocity across the heading has forgotten a push.
 
-    The push is `force` (mm/s^2) toward +x, at any heading. Fluctuations would give another time: pushes that turn a
-    walker move it too.
+    `sloping`: tracks of walkers that a slope pushes toward +x by `acceleration` (mm/s^2), at any heading. Fluctuations
+    would give another time: pushes that turn a walker move it too.
     """
     rows = []
     for track in sloping.tracks:
         assert track.heading is not None
         turned = np.diff(track.heading)
         heading = track.heading[:-1] + 0.5 * turned
-        way = np.diff(track.position, axis=0) / sloping.interval
-        left, push = way[:, 1] * np.cos(heading) - way[:, 0] * np.sin(heading), -force * np.sin(heading)
+        velocity = np.diff(track.position, axis=0) / sloping.interval
+        left, push = (
+            velocity[:, 1] * np.cos(heading) - velocity[:, 0] * np.sin(heading),
+            -acceleration * np.sin(heading),
+        )
         rows.append([float(push @ left), float(push @ push), float(push.sum()), float(left.sum()), len(left)])
     sums = np.array(rows)
     whole = sums.sum(axis=0)
@@ -155,14 +158,14 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
     return measure_tracks(_subsample(read, stride), False, tuple(notes))
 
 
-def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
-    """Measure tracks with headings; `exact` marks positions without noise."""
-    moved = motion.analyse(own)
-    both, translation = relaxation.measure_velocity(own, exact)
-    velocity = relaxation.measure_along_heading(own, exact, both, translation)
+def measure_tracks(sampled: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
+    """Measure the motion in tracks with headings; `exact` marks positions without noise."""
+    moved = motion.analyse(sampled)
+    both, translation = relaxation.measure_velocity(sampled, exact)
+    velocity = relaxation.measure_along_heading(sampled, exact, both, translation)
     rotation = moved.estimates["rotational_diffusion"]
-    turning = relaxation.measure_turning(own, exact, rotation)
-    reasons = () if exact else (*track_warnings.find_all(own), *moved.doubts)
+    turning = relaxation.measure_turning(sampled, exact, rotation)
+    reasons = () if exact else (*track_warnings.find_all(sampled), *moved.doubts)
     return Measured(
         moved,
         velocity,
@@ -170,15 +173,15 @@ def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured
         translation,
         turning,
         moved.estimates[ALIGNMENT_NAMES[0]],
-        delay.measure(own),
-        own.interval,
-        len(own.tracks),
+        delay.measure(sampled),
+        sampled.interval,
+        len(sampled.tracks),
         (*notes, *reasons),
     )
 
 
 def centre_of_mass(mass: MassProperties) -> Array:
-    """Compute the centre of mass relative to a trajectory's point, forward and to the left, mm."""
+    """Return the centre of mass relative to a trajectory's point O: forward and to the left, mm."""
     return np.array([1.0, -1.0]) * _centre_and_inertia(mass)[0][[0, 2]]
 
 
@@ -188,27 +191,27 @@ def yaw_inertia(mass: MassProperties) -> float:
 
 
 def _centre_and_inertia(mass: MassProperties) -> tuple[Array, Array]:
-    """Return the centre of mass from O at half depth, and the inertia tensor about it."""
+    """Return the centre of mass (mm) from O at half depth, and the inertia tensor about it, g mm^2."""
     assert mass.spatial is not None
     each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
     return masses.centre_and_inertia(mass.spatial, mass.legs, each, centres)
 
 
-def shift_poses(rows: Array, shift: Array) -> Array:
-    """Move the poses `rows` to a point forward and to the left of them."""
-    cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
-    x = rows[:, 0] + cos * shift[0] - sin * shift[1]
-    y = rows[:, 1] + sin * shift[0] + cos * shift[1]
-    return np.column_stack([x, y, rows[:, 2]])
+def shift_poses(poses: Array, shift: Array) -> Array:
+    """Move poses (x, y, heading), shape (n, 3), by `shift`: so much forward and to the left, mm."""
+    cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x = poses[:, 0] + cos * shift[0] - sin * shift[1]
+    y = poses[:, 1] + sin * shift[0] + cos * shift[1]
+    return np.column_stack([x, y, poses[:, 2]])
 
 
-def _subsample(own: Tracks, stride: int) -> Tracks:
+def _subsample(sampled: Tracks, stride: int) -> Tracks:
     """Take every `stride`-th frame of each track."""
     thinned = tuple(
         track._replace(
             position=track.position[::stride], heading=None if track.heading is None else track.heading[::stride]
         )
-        for track in own.tracks
+        for track in sampled.tracks
     )
-    return own._replace(tracks=thinned, interval=stride * own.interval)
+    return sampled._replace(tracks=thinned, interval=stride * sampled.interval)

@@ -77,7 +77,7 @@ def make_crowd(
 
 
 def argument_error(name: str, value: object, allowed: str) -> InputError:
-    """Return the error for an argument; `allowed` describes its allowed values."""
+    """Return the error for an argument. `allowed` describes the values that it may have."""
     return InputError(f"{name} = {value}: must be {allowed}")
 
 
@@ -137,7 +137,10 @@ def _wrap_points(points: Array, period: float) -> Array:
 
 
 def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
-    """Return the initial centres, shape (A, 2), radii and walkers of all discs; `shapes`: discs of each kind."""
+    """Return the centres, shape (A, 2), radii and walkers' numbers of all A discs at the start, mm.
+
+    `shapes`: discs of each kind.
+    """
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
         walkers = np.flatnonzero(crowd.kinds == kind)
@@ -152,7 +155,7 @@ def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tu
 
 
 def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
-    """Compute the gap (mm) between each disc, about `points`, and the nearest wall; negative inside a wall."""
+    """Compute the gap (mm) between each disc about `points` and the nearest wall, negative inside a wall."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)
     if dish.kind == "periodic":

@@ -45,7 +45,7 @@ class Rim(NamedTuple):
 
 
 def covered_region(card: Card) -> BaseGeometry:
-    """Return the area in a walker's outline with rounded corners, mm. Raises InputError if none is left."""
+    """Return the region in a card's outline (mm), corners rounded. Raises InputError if none is left."""
     ground = union_all([Polygon(contour).buffer(0.0) for contour in card.outline_mm])
     radius = card.corner_radius_mm
     rounded = ground.buffer(-radius).buffer(radius, quad_segs=ARC_SEGMENTS) if radius else ground

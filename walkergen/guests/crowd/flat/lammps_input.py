@@ -1,8 +1,9 @@
 """LAMMPS input of a crowd as text: bodies, contacts, and output times.
 
 Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle without size at the
-centre of mass C carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as torque. For a
-turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units lj` leaves all factors 1.
+centre of mass C carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as
+torque. For a turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units
+lj` leaves all factors 1.
 """
 
 import math
@@ -68,7 +69,7 @@ class Mechanics(NamedTuple):
 
 
 def outline_tolerance(cards: Sequence[Card]) -> float:
-    """Return the largest distance (mm) of outlines from their discs, by the narrowest walker."""
+    """Return how far (mm) discs may leave points of outlines uncovered, from the narrowest walker."""
     return DISC_TOLERANCE * min(discs.inscribed_radius(card) for card in cards)
 
 
@@ -194,7 +195,7 @@ def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _sideways_drag_commands(parts: Mechanics) -> list[str]:
-    """Return the commands for the drag across the heading, of kinds for which it differs from that along."""
+    """Return the commands for the extra drag across the heading, of kinds that have one."""
     lines = [
         'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
         'variable sine atom "2.0*c_heading[1]*c_heading[2]"',

@@ -30,7 +30,7 @@ class Grid(NamedTuple):
 
 
 def inner_grid(dish: Dish, parts: int) -> Grid:
-    """Return boxes wholly inside a dish, with `parts` along the shorter side of the rectangle around it."""
+    """Return square boxes wholly inside a dish, `parts` along the shorter side of its bounding rectangle."""
     side = min(dish.box) / parts
     across = [int(length / side * (1.0 + 1e-12)) for length in dish.box]
     used = np.ones(across, dtype=bool)
@@ -44,7 +44,10 @@ def inner_grid(dish: Dish, parts: int) -> Grid:
 
 
 def clipped_grid(dish: Dish, parts: int) -> Grid:
-    """Return boxes that cover a dish, cut by its walls, without boxes mostly outside."""
+    """Return square boxes that cover a dish, cut off at its walls, without boxes mostly outside.
+
+    `parts`: number along the shorter side of the dish's bounding rectangle.
+    """
     side = min(dish.box) / parts
     across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
     low = [side * (np.arange(n) - 0.5 * n) for n in across]
@@ -55,9 +58,9 @@ def clipped_grid(dish: Dish, parts: int) -> Grid:
 
 
 def sum_in_boxes(x: Array, y: Array, grid: Grid, weights: Array | None = None) -> Array:
-    """Sum of the `weights` (N,) of the walkers in each box that counts, (F, boxes); of 1 without.
+    """Sum the `weights` (N,) of the walkers in each used box of each frame, shape (F, boxes). Default weights: 1.
 
-    Places have shape (F, N); those that are NaN are in no box.
+    `x`, `y`: positions from the middle of the dish, shape (F, N), mm. Positions that are NaN are in no box.
     """
     frames, count = x.shape
     across = grid.used.shape
@@ -65,10 +68,10 @@ def sum_in_boxes(x: Array, y: Array, grid: Grid, weights: Array | None = None) -
     within = (columns >= 0) & (columns < across[0]) & (rows >= 0) & (rows < across[1])
     cells = across[0] * across[1]
     frame = np.broadcast_to(np.arange(frames)[:, None], x.shape)[within]
-    at = (frame * across[0] + columns[within].astype(np.int64)) * across[1]
-    at += rows[within].astype(np.int64)
+    index = (frame * across[0] + columns[within].astype(np.int64)) * across[1]
+    index += rows[within].astype(np.int64)
     values = None if weights is None else np.broadcast_to(weights, (frames, count))[within]
-    total = np.bincount(at, values, minlength=frames * cells).reshape(frames, cells)
+    total = np.bincount(index, values, minlength=frames * cells).reshape(frames, cells)
     return np.asarray(total[:, grid.used.ravel()], dtype=float)
 
 

@@ -1,7 +1,7 @@
 """Clusters: walkers that touch each other, or touch others of the same cluster.
 
-Two touch where their outlines are nearer than `TOUCHING_GAP` times the mean outer radius; where only
-outer radii are known, where their places are nearer than the sum of these.
+Two walkers touch if their outlines are nearer than `TOUCHING_GAP` times the mean outer radius. If only outer radii are
+known, they touch if their positions are nearer than the sum of their radii.
 """
 
 import math
@@ -47,17 +47,23 @@ def measure(film: CrowdFilm) -> Clusters:
             continue
         links = touching_pairs(film, frame, seen)
         sizes = cluster_sizes(links, len(seen))
-        own = np.repeat(sizes, sizes)  # of each walker's cluster
-        octaves += np.bincount(np.log2(own).astype(int), minlength=len(octaves)) / len(own)
+        own_sizes = np.repeat(sizes, sizes)  # size of each walker's cluster
+        octaves += np.bincount(np.log2(own_sizes).astype(int), minlength=len(octaves)) / len(own_sizes)
         rows.append(
-            (float(len(sizes)), sizes.max() / len(own), own.mean(), (own == 1).mean(), 2.0 * len(links) / len(own))
+            (
+                float(len(sizes)),
+                sizes.max() / len(own_sizes),
+                own_sizes.mean(),
+                (own_sizes == 1).mean(),
+                2.0 * len(links) / len(own_sizes),
+            )
         )
     number, largest, size, alone, touching = np.array(rows, dtype=float).T
     return Clusters(number, largest, size, alone, touching, octaves / octaves.sum())
 
 
 def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
-    """Return pairs of touching walkers among those `seen`, by their order in it, shape (pairs, 2)."""
+    """Return the pairs of walkers that touch in a frame, as indices into their numbers `seen`, (pairs, 2)."""
     x, y, radii = film.x[frame][seen], film.y[frame][seen], film.radii[seen]
     gap = TOUCHING_GAP * float(radii.mean()) if film.outlines else 0.0
     reach = 2.0 * float(radii.max()) + gap
@@ -75,7 +81,7 @@ def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
 
 
 def cluster_sizes(links: Whole, walkers: int) -> Whole:
-    """Return numbers of walkers in each cluster that `links` (pairs, 2) join, walkers alone included."""
+    """Return the number of walkers in each cluster. `links`: touching pairs of indices, shape (pairs, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -87,19 +93,23 @@ def cluster_sizes(links: Whole, walkers: int) -> Whole:
 def _transform_outlines(
     film: CrowdFilm, kinds: Sequence[str], theta: Array, walkers: Whole, places: Array
 ) -> npt.NDArray[np.object_]:
-    """Return outlines of `walkers`, each turned by its heading and moved to its place (pairs, 2)."""
+    """Return the outlines of `walkers`, each turned by its heading and moved to its row of `places`, mm.
+
+    `walkers`: indices into `kinds` and `theta` (rad), as many as there are places.
+    """
     shapes = {kind: _union(contours) for kind, contours in film.outlines.items()}
     outlines = np.array([shapes[kinds[walker]] for walker in walkers], dtype=object)
     corners = shapely.get_num_coordinates(outlines)
     angle = np.repeat(np.nan_to_num(theta[walkers]), corners)
     c, s, moved = np.cos(angle), np.sin(angle), np.repeat(places, corners, axis=0)
 
-    def turn(points: Array) -> Array:
+    def rotate_and_move(points: Array) -> Array:
         x, y = points.T
         return np.column_stack([c * x - s * y, s * x + c * y]) + moved
 
-    return np.asarray(shapely.transform(outlines, turn), dtype=object)
+    return np.asarray(shapely.transform(outlines, rotate_and_move), dtype=object)
 
 
 def _union(contours: Sequence[Array]) -> object:
+    """Return the union of contours as a polygon of shapely."""
     return shapely.union_all([shapely.Polygon(contour) for contour in contours])

@@ -16,7 +16,7 @@ LAG_DIVISOR = 4
 
 
 def speeds(film: CrowdFilm) -> tuple[Array, Array]:
-    """Compute each walker's speed and its part along the heading between frames, (F - 1, N) each, mm/s.
+    """Compute speeds and velocities along the heading between frames, shape (F - 1, N) each, mm/s.
 
     Both are too small if walkers turn by half a radian or more in an interval.
     """
@@ -27,7 +27,7 @@ def speeds(film: CrowdFilm) -> tuple[Array, Array]:
 
 
 def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
-    """Return lags (s) and the mean squared displacement (mm^2) at each, over walkers and times."""
+    """Return lags (s) and the mean squared displacement (mm^2) of each lag, over walkers and times."""
     longest = max((len(film.times) - 1) // LAG_DIVISOR, 1)
     lags = lag_sums.log_spaced_lags(longest, MAX_LAGS)
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
@@ -40,9 +40,9 @@ def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
     return np.asarray(lags * film.interval, dtype=float), mean
 
 
-def growth_exponent(lags: Array, squares: Array) -> float:
-    """Fit the local exponent d ln MSD / d ln lag over the last half decade: 2 straight, 1 diffusing."""
-    use = (lags >= lags[-1] / math.sqrt(10.0)) & (squares > 0)
+def growth_exponent(lags: Array, msd: Array) -> float:
+    """Fit d ln MSD / d ln lag over the last half decade of lags: 2 for straight runs, 1 for diffusion."""
+    use = (lags >= lags[-1] / math.sqrt(10.0)) & (msd > 0)
     if use.sum() < 3:
         return math.nan
-    return float(np.polyfit(np.log(lags[use]), np.log(squares[use]), 1)[0])
+    return float(np.polyfit(np.log(lags[use]), np.log(msd[use]), 1)[0])

@@ -46,21 +46,21 @@ class CrowdFilm(NamedTuple):
 
     @property
     def walkers(self) -> float:
-        """Mean number of walkers seen at a time. Broken tracks give a walker several numbers."""
+        """Mean number of walkers seen in a frame, below N where broken tracks count a walker twice."""
         return float(np.isfinite(self.x).sum(axis=1).mean())
 
     @property
-    def sized(self) -> bool:
-        """True where the outlines are known."""
+    def has_sizes(self) -> bool:
+        """Whether the sizes of all walkers are known."""
         return not bool(np.isnan(self.radii).any())
 
     @property
-    def headed(self) -> bool:
-        """True where headings are known."""
+    def has_headings(self) -> bool:
+        """Whether any heading is known."""
         return not bool(np.isnan(self.theta).all())
 
     def select_frames(self, frames: Whole) -> "CrowdFilm":
-        """Return the film of these frames alone."""
+        """Return the film of only these frames, given by their numbers."""
         kept = {key: getattr(self, key)[frames] for key in ("times", "x", "y", "theta")}
         return self._replace(**kept)
 
@@ -68,7 +68,7 @@ class CrowdFilm(NamedTuple):
 def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
     """Make a film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
 
-    Each of `kinds` (N) has its contours in `outlines`, or there are no outlines at all.
+    `times`: s, shape (F,). `kinds`: design of each walker. `outlines`: contours of each design, or empty.
     """
     x, y, theta = (np.ascontiguousarray(places[..., axis]) for axis in range(3))
     size = {kind: _area_and_radius(contours) for kind, contours in outlines.items()}
@@ -77,9 +77,9 @@ def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Out
 
 
 def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> CrowdFilm:
-    """Make a film of tracks on a plane, of walkers of one outline if there are `contours`.
+    """Make a film of tracks on a plane. If there are `contours` (mm), they are the outline of every walker.
 
-    Headings are made continuous; where a track has a gap it may miss a full turn.
+    Headings are made continuous; where a track has a gap, a full turn may be missed.
     """
     frames = max(track.start + len(track.position) for track in tracks.tracks)
     places = np.full((frames, len(tracks.tracks), 3), np.nan)
@@ -94,12 +94,13 @@ def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> C
 
 
 def _area_and_radius(contours: Sequence[Array]) -> tuple[float, float]:
-    """Return the area (mm^2) and outer radius (mm) of outlines."""
+    """Return the area (mm^2) of contours and the distance (mm) of their outermost point from the origin."""
     area = sum(abs(float(polygons.area(contour))) for contour in contours)
     return area, max(float(np.hypot(*contour.T).max()) for contour in contours)
 
 
 def _unwrap_heading(heading: Array) -> Array:
+    """Make a heading (rad) continuous. Gaps stay NaN."""
     seen = np.isfinite(heading)
     heading = heading.copy()
     heading[seen] = np.unwrap(heading[seen])
@@ -107,9 +108,9 @@ def _unwrap_heading(heading: Array) -> Array:
 
 
 def mean_over_walkers(values: npt.NDArray[Any], chosen: Mask | None = None) -> npt.NDArray[Any]:
-    """Average values (F, N) at each time over the `chosen` walkers with a known value.
+    """Average values (F, N) over walkers in each frame, shape (F,); NaN where none counts.
 
-    NaN where there are none.
+    Values that are NaN do not count, nor those of walkers outside the mask `chosen` (F, N).
     """
     known = ~np.isnan(values)
     if chosen is not None:

@@ -35,11 +35,12 @@ class Fluctuations(NamedTuple):
 
 
 def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
-    """Compute the variance in boxes about their own means over all times and runs.
+    """Compute the variance of the number of walkers in boxes, about each box's mean over all times and runs.
 
-    So a permanent difference of density, as at a wall, is no fluctuation. The dish holds a fixed number of walkers: a
-    box with the share p of its area varies by 1 - p less than in a large dish. This is divided out. The result is too
-    small by up to 1 / runs; with one run by more, unless the run is much longer than the density's correlation time.
+    A permanent difference of density, as at a wall, is therefore no fluctuation. The dish holds a fixed number of
+    walkers: in a box with the share p of its area the variance is 1 - p times that in a large dish. It is divided by 1
+    - p. The result is too small by up to the share 1 / runs; with one run by more, unless the run is much longer than
+    the density's correlation time.
     """
     film = films[0]
     parts = _box_counts(film)
@@ -59,7 +60,7 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
 
 
 def _box_counts(film: CrowdFilm) -> list[int]:
-    """Return numbers of boxes along the dish, from few large ones to those with about one walker."""
+    """Return numbers of boxes along the dish's shorter side, from few large boxes to many of about one walker."""
     count = film.walkers
     smallest = math.sqrt(MIN_MEAN * film.dish.area / max(count, 1.0))
     most = int(min(film.dish.box) / smallest)
@@ -68,7 +69,7 @@ def _box_counts(film: CrowdFilm) -> list[int]:
 
 
 def _exponent(means: Array, variances: Array) -> float:
-    """Fit the slope of ln sd over ln mean; NaN for fewer than 3 sizes or where nothing varies."""
+    """Fit d ln sd / d ln mean over box sizes. NaN for fewer than 3 sizes or where nothing varies."""
     use = (means > 0) & (variances > 0)
     if use.sum() < 3:
         return math.nan

@@ -1,7 +1,7 @@
 """Order of headings: polar, nematic, and about the middle of a dish, at each time.
 
-Of N headings at random each modulus is not 0 but `by_chance(N)` on average: an order is one only
-beyond it. Means over pairs of walkers (`pairs.alignment`) have no such bias.
+The polar and nematic order of N random headings is not 0 but `random_order(N)` on average: only larger values show
+order. Means over pairs of walkers (`pairs.alignment`) have no such bias.
 """
 
 import math
@@ -13,32 +13,32 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 
 def polar(film: CrowdFilm) -> Array:
-    """Compute |mean of e^(i theta)| over walkers, shape (F,): 1 if all head one way."""
+    """Compute |mean of e^(i theta)| over walkers in each frame, shape (F,): 1 if all headings agree."""
     return np.asarray(np.abs(mean_over_walkers(np.exp(1j * film.theta))))
 
 
 def nematic(film: CrowdFilm) -> Array:
-    """Compute |mean of e^(2 i theta)| over walkers, shape (F,): 1 if all lie along one line."""
+    """Compute |mean of e^(2 i theta)| over walkers in each frame, shape (F,): 1 if all lie along one line."""
     return np.asarray(np.abs(mean_over_walkers(np.exp(2j * film.theta))))
 
 
 def circulation(film: CrowdFilm) -> Array:
-    """Compute the mean of r x e / |r| over walkers, shape (F,), r from the dish's middle to the walker.
+    """Compute the mean of r x e / |r| over walkers, shape (F,). r leads from the dish's middle to the walker.
 
-    1 where all circle counter-clockwise, -1 clockwise, 0 where neither wins.
+    e is its heading. 1 if all walkers circle counter-clockwise, -1 if clockwise, 0 if both balance.
     """
     about = np.sin(film.theta - np.arctan2(film.y, film.x))
     return np.asarray(mean_over_walkers(about))
 
 
 def random_order(walkers: float) -> float:
-    """Return the mean modulus of the mean of N random unit vectors: 1 of one, sqrt(pi / (4 N)) for N above ten.
+    """Return the mean polar or nematic order of N walkers with random headings: sqrt(pi / (4 N)), 1 for one.
 
-    Their sum is then normal in two directions, with variance N / 2 in each.
+    The sum of N > 10 unit vectors is normal in two directions, with variance N / 2 in each.
     """
     return 1.0 if walkers <= 1.0 else 0.5 * math.sqrt(math.pi / walkers)
 
 
 def random_circulation(walkers: float) -> float:
-    """Return the mean |circulation| of N random headings: a half-normal of variance 1 / (2 N)."""
+    """Return the mean |circulation| of N random headings: that of a normal number of variance 1 / (2 N)."""
     return 1.0 / math.sqrt(math.pi * walkers)

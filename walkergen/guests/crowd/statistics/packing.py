@@ -18,15 +18,15 @@ MAX_PACKING = 1.2
 
 
 def total_packing(film: CrowdFilm) -> Array:
-    """Compute the area of all visible walkers over that of the dish, at each time, shape (F,)."""
+    """Compute the area of all walkers seen over that of the dish, in each frame, shape (F,)."""
     seen = np.isfinite(film.x)
     return np.asarray(seen @ film.areas / film.dish.area)
 
 
 def local_packing(film: CrowdFilm) -> Array:
-    """Compute the area of the walkers with places in a box over that of its part in the dish, (F, boxes).
+    """Compute the area of the walkers with positions in a box over the box's area in the dish, (F, boxes).
 
-    Its mean is near `total_packing`; boxes with two likely values tell of a dense and a thin phase.
+    Its mean is near `total_packing`. Two peaks in its distribution show a dense and a thin phase.
     """
     parts = box_count(film)
     grid = boxes.clipped_grid(film.dish, parts)
@@ -48,7 +48,7 @@ def scatter(local_packing: Array) -> Array:
 
 
 def probability_density(local_packing: Array) -> tuple[Array, Array]:
-    """Return the middles of bins, and the probability density of the local packing in each."""
+    """Return the middles of bins of local packing, and the probability density in each."""
     edges = np.linspace(0.0, MAX_PACKING, BINS + 1)
     counts, _ = np.histogram(np.minimum(local_packing, MAX_PACKING), edges)
     return 0.5 * (edges[1:] + edges[:-1]), counts / (counts.sum() * (edges[1] - edges[0]))

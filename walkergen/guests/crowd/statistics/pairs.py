@@ -1,9 +1,8 @@
 """Pairs of walkers by their distance: pair correlation g(r), and correlation of their headings.
 
-g is 1 at every distance for walkers that ignore each other, in every dish: what of each ring about
-a walker lies outside the dish counts for nothing (exact areas; no walker is left out at walls). It
-is over the density of the whole dish: where walkers gather at walls, or bodies keep their centres
-off these, g stays above 1 at distances as large as the dish.
+g is 1 at every distance for walkers that ignore each other, in every dish. Of each ring about a walker only the part
+inside the dish counts (exact areas; no walker is left out at walls). g is relative to the density of the whole dish. So
+where walkers gather at walls, or bodies keep their centres off walls, g is above 1 at distances as large as the dish.
 """
 
 from typing import NamedTuple
@@ -42,8 +41,8 @@ class Pairs(NamedTuple):
 
 
 def length_scale(film: CrowdFilm) -> float:
-    """Compute the mean outer diameter, mm; without outlines the side of the mean square per walker."""
-    if film.sized:
+    """Compute the mean outer diameter, mm; without outlines the side of the square area per walker."""
+    if film.has_sizes:
         return 2.0 * float(film.radii.mean())
     return float(np.sqrt(film.dish.area / max(film.walkers, 1.0)))
 
@@ -55,11 +54,11 @@ def bin_edges(film: CrowdFilm) -> Array:
 
 
 def measure(film: CrowdFilm, edges: Array) -> Pairs:
-    """Pair correlation and alignments of one run, in bins of distance between `edges` (mm)."""
+    """Compute pair correlation and alignments of one run, in bins of distance between `edges` (mm)."""
     bins = len(edges) - 1
-    counts, chance = np.zeros(bins), np.zeros(bins)
-    headed, sums = np.zeros(bins), np.zeros((2, bins))
-    near = min(NEIGHBOUR_DIAMETERS * length_scale(film), edges[-1])
+    counts, expected = np.zeros(bins), np.zeros(bins)
+    oriented, sums = np.zeros(bins), np.zeros((2, bins))
+    near_distance = min(NEIGHBOUR_DIAMETERS * length_scale(film), edges[-1])
     local = np.full((2, len(film.times)), np.nan)
     for frame in range(len(film.times)):
         seen = np.isfinite(film.x[frame]) & np.isfinite(film.y[frame])
@@ -67,24 +66,27 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
         pairs, steps = dish_geometry.pairs_within(x, y, float(edges[-1]), film.dish)
         distance = np.hypot(*steps.T)
         counts += np.histogram(distance, edges)[0]
-        chance += _random_pair_counts(x, y, edges, film)
+        expected += _random_pair_counts(x, y, edges, film)
         turn = theta[pairs[:, 1]] - theta[pairs[:, 0]]
         known = np.isfinite(turn)
-        alike = np.cos(turn[known]), np.cos(2.0 * turn[known])
+        cosines = np.cos(turn[known]), np.cos(2.0 * turn[known])
         distance = distance[known]
-        headed += np.histogram(distance, edges)[0]
-        close = distance < near
-        for row, values in enumerate(alike):
+        oriented += np.histogram(distance, edges)[0]
+        close = distance < near_distance
+        for row, values in enumerate(cosines):
             sums[row] += np.histogram(distance, edges, weights=values)[0]
             if close.any():
                 local[row, frame] = values[close].mean()
-    polar, nematic = np.where(headed > 0, sums / np.maximum(headed, 1.0), np.nan)
-    g = np.where(chance > 0, counts / np.where(chance > 0, chance, 1.0), np.nan)
+    polar, nematic = np.where(oriented > 0, sums / np.maximum(oriented, 1.0), np.nan)
+    g = np.where(expected > 0, counts / np.where(expected > 0, expected, 1.0), np.nan)
     return Pairs(0.5 * (edges[1:] + edges[:-1]), g, polar, nematic, local[0], local[1])
 
 
 def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
-    """Compute the pairs in each bin if all other walkers of a frame were anywhere in the dish."""
+    """Compute the mean number of pairs in each bin of distance if the others were anywhere in the dish.
+
+    `x`, `y`: positions of the walkers in a frame, mm. `edges`: of the bins, mm.
+    """
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * GAUSS_NODES
     middle_x, middle_y = dish_geometry.wrap_places(x, y, film.dish)

@@ -126,6 +126,7 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
 
 
 def _check_runs(films: Sequence[CrowdFilm]) -> None:
+    """Raise InputError if there is no run, or if runs differ or are too short."""
     if not films:
         raise InputError("a crowd has no run. Simulate or film at least one.")
     first = films[0]
@@ -137,57 +138,60 @@ def _check_runs(films: Sequence[CrowdFilm]) -> None:
 
 
 def _describe(film: CrowdFilm) -> str:
-    """Describe which walkers ran, and their dish."""
+    """Describe a film's designs and dish."""
     return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
 
 
 def _measure_run(film: CrowdFilm) -> _Run:
     """Compute all statistics of one run except the fluctuations, which are about the mean of all runs."""
-    few = film.select_frames(np.arange(0, len(film.times), -(-len(film.times) // MAX_PAIR_FRAMES)))
+    thinned = film.select_frames(np.arange(0, len(film.times), -(-len(film.times) // MAX_PAIR_FRAMES)))
     run = _Run({}, {}, {})
     _add_motion(run, film)
-    _add_pairs(run, few)
-    if film.headed:
+    _add_pairs(run, thinned)
+    if film.has_headings:
         circulation = order.circulation(film)
         run.series["polar_order"] = film.times, order.polar(film)
         run.series["nematic_order"] = film.times, order.nematic(film)
         if not film.dish.period:
             run.series["circulation"] = film.times, circulation
             run.series["milling"] = film.times, np.abs(circulation)
-    if film.sized:
-        _add_outline_statistics(run, film, few)
+    if film.has_sizes:
+        _add_outline_statistics(run, film, thinned)
     if not film.dish.period:
         _add_walls(run, film)
     return run
 
 
 def _add_motion(run: _Run, film: CrowdFilm) -> None:
+    """Add speeds and mean squared displacements to the statistics of a run."""
     between = 0.5 * (film.times[1:] + film.times[:-1])
     speed, ahead = displacements.speeds(film)
     run.series["speed"] = between, mean_over_walkers(speed)
-    if film.headed:
+    if film.has_headings:
         run.series["speed_along_heading"] = between, mean_over_walkers(ahead)
     run.curves["msd"] = displacements.squared_displacement(film)
     run.whole["spread_exponent"] = displacements.growth_exponent(*run.curves["msd"])
 
 
-def _add_pairs(run: _Run, few: CrowdFilm) -> None:
-    found = pairs.measure(few, pairs.bin_edges(few))
+def _add_pairs(run: _Run, thinned: CrowdFilm) -> None:
+    """Add pair correlation and local order to a run's statistics, from a film of fewer frames."""
+    found = pairs.measure(thinned, pairs.bin_edges(thinned))
     run.curves["g"] = found.at, found.g
-    if few.headed:
+    if thinned.has_headings:
         run.curves["polar_correlation"] = found.at, found.polar
         run.curves["nematic_correlation"] = found.at, found.nematic
-        run.series["local_polar_order"] = few.times, found.near_polar
-        run.series["local_nematic_order"] = few.times, found.near_nematic
+        run.series["local_polar_order"] = thinned.times, found.near_polar
+        run.series["local_nematic_order"] = thinned.times, found.near_nematic
 
 
-def _add_outline_statistics(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
+def _add_outline_statistics(run: _Run, film: CrowdFilm, thinned: CrowdFilm) -> None:
+    """Add packing, and clusters from a film of fewer frames, to the statistics of a run."""
     local = packing.local_packing(film)
     run.series["packing"] = film.times, packing.total_packing(film)
     run.series["packing_scatter"] = film.times, packing.scatter(local)
     if local.shape[1] > 1:
         run.curves["local_packing"] = packing.probability_density(local)
-    joined = clusters.measure(few)
+    joined = clusters.measure(thinned)
     run.curves["cluster_shares"] = (np.exp2(np.arange(len(joined.shares), dtype=float)), joined.shares)
     for name, values in (
         ("clusters", joined.number),
@@ -196,33 +200,34 @@ def _add_outline_statistics(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
         ("alone", joined.alone),
         ("touching", joined.touching),
     ):
-        run.series[name] = few.times, values
+        run.series[name] = thinned.times, values
 
 
 def _add_walls(run: _Run, film: CrowdFilm) -> None:
+    """Add density, speed and alignment at walls to the statistics of a run."""
     at_walls = walls.measure(film)
     between = 0.5 * (film.times[1:] + film.times[:-1])
     run.series["wall_density"] = film.times, at_walls.near_density
     run.series["wall_speed"] = between, at_walls.near_speed
     run.curves["wall_density"] = at_walls.at, at_walls.density
     run.curves["wall_speed"] = at_walls.at, at_walls.speed
-    if film.headed:
+    if film.has_headings:
         run.series["wall_alignment"] = film.times, at_walls.near_alignment
         run.curves["wall_alignment"] = at_walls.at, at_walls.alignment
 
 
 def _values_by_run(runs: Sequence[_Run], name: str) -> Array:
-    """Return a number of each run: the mean of its course in time, or that of the whole; NaN without."""
+    """Return the number `name` of each run, a mean over time if it has a course in time; NaN if it is unknown."""
     return np.array(
         [_finite_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
     )
 
 
 def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
-    """Combine the values of all runs into a quantity, with the reason if it or its error is unknown."""
+    """Combine the values of all runs into a quantity, with the reason if its value or error is unknown."""
     unit = UNITS[name]
     if np.isnan(values).any():
-        return Quantity(name, unit, None, refused=_refusal(name, film))
+        return Quantity(name, unit, None, refused=_missing_reason(name, film))
     first = float(values[0])
     if len(values) > 1:
         if np.ptp(values) <= EQUAL_TOLERANCE * abs(first):
@@ -234,7 +239,7 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
 
 
 def _quantity_of_one_run(name: str, value: float, times: Array, course: Array) -> Quantity:
-    """Return a mean over one run, with its error if the run is much longer than its correlation time."""
+    """Return a mean over one run, with an error if the run is much longer than its correlation time."""
     unit, known, interval = UNITS[name], np.isfinite(course), float(times[1] - times[0])
     if np.ptp(course[known]) == 0.0:
         return Quantity(name, unit, value, 0.0)
@@ -245,21 +250,21 @@ def _quantity_of_one_run(name: str, value: float, times: Array, course: Array) -
     return Quantity(name, unit, value, refused=NO_ERROR_SHORT_RUN)
 
 
-def _refusal(name: str, film: CrowdFilm) -> str:
-    """Return the reason for an unknown number."""
+def _missing_reason(name: str, film: CrowdFilm) -> str:
+    """Return the reason why a film gives no value for a number."""
     walled = name.startswith("wall_") or name in ("circulation", "milling")
     if walled and film.dish.period:
         return NO_WALL
     outlined = ("packing", "packing_scatter", "clusters", "largest_cluster", "cluster_size", "alone", "touching")
-    if name in outlined and not film.sized:
+    if name in outlined and not film.has_sizes:
         return NO_OUTLINE
-    return NO_PAIRS if film.headed or name in outlined else NO_HEADING
+    return NO_PAIRS if film.has_headings or name in outlined else NO_HEADING
 
 
 def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
-    """Return the mean of the runs' curves with its error, at the places of the first.
+    """Return the mean of the runs' curves (positions and values each) with its error.
 
-    NaN where a run has no value; errors are NaN with one run.
+    NaN where a run has no value. Errors are NaN with one run.
     """
     values = np.stack([values for _, values in curves])
     error = np.full(values.shape[1], math.nan)
@@ -269,7 +274,7 @@ def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
 
 
 def _random_values(film: CrowdFilm) -> dict[str, float]:
-    """Return the numbers of walkers at random places and headings, if defined."""
+    """Return the expected numbers of walkers at random places and headings, where they are defined."""
     walkers = max(film.walkers, 1.0)
     return {
         "polar_order": order.random_order(walkers),
@@ -285,6 +290,7 @@ def _random_values(film: CrowdFilm) -> dict[str, float]:
 
 
 def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
+    """Return sentences about errors and the definitions of clusters, local order and walls."""
     film = films[0]
     errors = (
         f"errors come from the scatter of {len(films)} independent runs"
@@ -293,7 +299,7 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
         "changes are not included"
     )
     lines = [errors]
-    if film.sized:
+    if film.has_sizes:
         how = (
             f"outlines are nearer than {clusters.TOUCHING_GAP * float(film.radii.mean()):.3g} mm"
             if film.outlines
@@ -308,6 +314,6 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
 
 
 def _finite_mean(values: Array) -> float:
-    """Average the known values; NaN without any."""
+    """Average the finite values; NaN without any."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else math.nan

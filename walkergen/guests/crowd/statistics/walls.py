@@ -32,12 +32,12 @@ class Walls(NamedTuple):
 
 
 def near_distance(film: CrowdFilm) -> float:
-    """Return the largest distance at the wall, mm: a mean outer diameter, as in `pairs.length_scale`."""
+    """Return the largest distance (mm) of a walker at a wall: a mean outer diameter (`pairs.length_scale`)."""
     return min(pairs.length_scale(film), 0.5 * dish_geometry.max_wall_distance(film.dish))
 
 
 def measure(film: CrowdFilm) -> Walls:
-    """Measure density, speed and alignment of one run in a dish with walls."""
+    """Measure density, speed and alignment of one run by the distance from the walls of its dish."""
     dish, at_wall = film.dish, near_distance(film)
     edges = np.linspace(0.0, dish_geometry.max_wall_distance(dish), BINS + 1)
     distance = np.maximum(dish_geometry.wall_distance(film.x, film.y, dish), 0.0)
@@ -61,7 +61,7 @@ def measure(film: CrowdFilm) -> Walls:
 
 
 def _bin_means(distance: Array, values: Array, edges: Array) -> Array:
-    """Average known values in each bin of the distance; NaN where there are none."""
+    """Average the known values in each bin of the distance between `edges`; NaN where there are none."""
     known = np.isfinite(values) & np.isfinite(distance)
     counts = np.histogram(distance[known], edges)[0]
     sums = np.histogram(distance[known], edges, weights=values[known])[0]
