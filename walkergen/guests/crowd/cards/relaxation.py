@@ -186,7 +186,7 @@ def _unresolved_relaxation(
 
 
 def _relaxation_time(mean_square: float, diffusion: float, interval: float) -> float:
-    """Return the relaxation time (s) for a mean square of means over `interval` s, 0 if none fits."""
+    """Return the relaxation time (s) that gives this mean square of means over `interval` s; 0 if none does."""
     ratio = mean_square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
     if not 0.0 < ratio < 1.0:
         return 0.0
@@ -290,14 +290,12 @@ def _residuals_and_headings(track: Track, relaxation_time: float, interval: floa
     return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)]
 
 
-def _residual_diffusion(
-    tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxation_time: float
-) -> Quantity:
+def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, memory: float) -> Quantity:
     """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of about `size` samples.
 
     A multiple of the path along the heading is fitted to a walker's displacements in all pieces. The squared rest in a
-    piece of t s is 4 D t on average, less in short pieces because velocities relax. `skip`: samples left out at the
-    start.
+    piece of t s is 4 D t on average, less in short pieces as velocities relax within `memory` s. `skip` samples are
+    left out at the start.
     """
     diffusions: list[Array] = []
     for track, velocity in zip(tracks.tracks, followed, strict=True):
@@ -305,7 +303,7 @@ def _residual_diffusion(
         if len(ways) < 2:
             continue
         fitted = np.sum(np.conj(paths) * ways / seconds) / np.sum(np.abs(paths) ** 2 / seconds)
-        late = 1.0 + relaxation_time / seconds * np.expm1(-seconds / relaxation_time) if relaxation_time else 1.0
+        late = 1.0 + memory / seconds * np.expm1(-seconds / memory) if memory else 1.0
         rest = np.abs(ways - fitted * paths) ** 2 / (4.0 * seconds * late)
         diffusions.append(rest * len(ways) / (len(ways) - 1.0))
     count = sum(len(own) - 1 for own in diffusions)

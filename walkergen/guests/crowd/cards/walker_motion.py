@@ -120,11 +120,8 @@ def sideways_relaxation(sloping: Tracks, acceleration: float) -> Quantity:
         assert track.heading is not None
         turned = np.diff(track.heading)
         heading = track.heading[:-1] + 0.5 * turned
-        velocity = np.diff(track.position, axis=0) / sloping.interval
-        left, push = (
-            velocity[:, 1] * np.cos(heading) - velocity[:, 0] * np.sin(heading),
-            -acceleration * np.sin(heading),
-        )
+        v = np.diff(track.position, axis=0) / sloping.interval
+        left, push = v[:, 1] * np.cos(heading) - v[:, 0] * np.sin(heading), -acceleration * np.sin(heading)
         rows.append([float(push @ left), float(push @ push), float(push.sum()), float(left.sum()), len(left)])
     sums = np.array(rows)
     whole = sums.sum(axis=0)
@@ -158,14 +155,14 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
     return measure_tracks(_subsample(read, stride), False, tuple(notes))
 
 
-def measure_tracks(sampled: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
+def measure_tracks(walker_tracks: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
     """Measure the motion in tracks with headings; `exact` marks positions without noise."""
-    moved = motion.analyse(sampled)
-    both, translation = relaxation.measure_velocity(sampled, exact)
-    velocity = relaxation.measure_along_heading(sampled, exact, both, translation)
+    moved = motion.analyse(walker_tracks)
+    both, translation = relaxation.measure_velocity(walker_tracks, exact)
+    velocity = relaxation.measure_along_heading(walker_tracks, exact, both, translation)
     rotation = moved.estimates["rotational_diffusion"]
-    turning = relaxation.measure_turning(sampled, exact, rotation)
-    reasons = () if exact else (*track_warnings.find_all(sampled), *moved.doubts)
+    turning = relaxation.measure_turning(walker_tracks, exact, rotation)
+    reasons = () if exact else (*track_warnings.find_all(walker_tracks), *moved.doubts)
     return Measured(
         moved,
         velocity,
@@ -173,9 +170,9 @@ def measure_tracks(sampled: Tracks, exact: bool, notes: tuple[str, ...]) -> Meas
         translation,
         turning,
         moved.estimates[ALIGNMENT_NAMES[0]],
-        delay.measure(sampled),
-        sampled.interval,
-        len(sampled.tracks),
+        delay.measure(walker_tracks),
+        walker_tracks.interval,
+        len(walker_tracks.tracks),
         (*notes, *reasons),
     )
 
@@ -206,12 +203,12 @@ def shift_poses(poses: Array, shift: Array) -> Array:
     return np.column_stack([x, y, poses[:, 2]])
 
 
-def _subsample(sampled: Tracks, stride: int) -> Tracks:
+def _subsample(walker_tracks: Tracks, stride: int) -> Tracks:
     """Take every `stride`-th frame of each track."""
     thinned = tuple(
         track._replace(
             position=track.position[::stride], heading=None if track.heading is None else track.heading[::stride]
         )
-        for track in sampled.tracks
+        for track in walker_tracks.tracks
     )
-    return sampled._replace(tracks=thinned, interval=stride * sampled.interval)
+    return walker_tracks._replace(tracks=thinned, interval=stride * walker_tracks.interval)

@@ -167,7 +167,7 @@ def make_ground(dish: Dish | None) -> Ground:
 
 
 def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
-    """Make the movers of walkers, and the arrays over all of them that they share."""
+    """Make the movers of walkers, and the arrays over all walkers whose memory they share."""
     count = len(worlds)
     most = max(len(world.walker.stiffness) for world in worlds)
     free = Free(

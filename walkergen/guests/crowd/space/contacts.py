@@ -9,6 +9,10 @@ time that the corner touches: touch and parting err by second order.
 Springs replace rigid impulses for two reasons. A printed corner and a face part after 0.1 to 0.2 ms (Hertz), a fiftieth
 of a period of the plate, so both models give the same velocities. Springs also hold walkers that push each other and
 jams of many, and the order of contacts does not matter.
+
+`crowd` is a `bodies.Crowd` and `free` its arrays; `i` and `j` are numbers of walkers. a_x, a_y, a_z: a point from C in
+body axes, mm. `pushes`: True to apply impulses, False to only add the energy of contacts to the crowd's book.
+`layer`: 0 at the bottom of both bodies, 1 at the top.
 """
 
 import math
@@ -50,7 +54,7 @@ def _to_body_axes(free, i, x, y, z):
 
 @lean
 def _height(free, i, b_x, b_z, y):
-    """Return the height in the world of a point of body i (body axes from C)."""
+    """Return the height in the world of the point (b_x, y, b_z) of body i (body axes from C)."""
     R = free.R
     return free.state[i, C_Y] + R[i, 1, 0] * b_x + R[i, 1, 1] * y + R[i, 1, 2] * b_z
 
@@ -76,7 +80,7 @@ def _velocity(free, i, a_x, a_y, a_z):
 
 @lean
 def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Return a vector f of the world in body axes, and its moment at a point of body i."""
+    """Convert a vector f of the world to axes of body i. Return it and its moment about C for a force at point a."""
     R = free.R
     b_x = R[i, 0, 0] * f_x + R[i, 1, 0] * f_y + R[i, 2, 0] * f_z
     b_y = R[i, 0, 1] * f_x + R[i, 1, 1] * f_y + R[i, 2, 1] * f_z
@@ -86,7 +90,7 @@ def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 
 @lean
 def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
-    """Return the inverse mass (1/g) of a point of body i along a direction of the world, legs locked."""
+    """Return the inverse mass (1/g) of a point of body i along a direction d of the world, legs locked."""
     _, _, _, t_x, t_y, t_z = _body_wrench(free, i, a_x, a_y, a_z, d_x, d_y, d_z)
     I = free.inverse_inertia  # noqa: E741
     return free.inverse_mass[i] + (
@@ -98,9 +102,9 @@ def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
 
 @lean
 def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Apply an impulse (world, g mm/s) to a point of body i (body axes), and record its work.
+    """Apply an impulse f (world, g mm/s) to a point of body i (body axes), and record its work.
 
-    Returns the point's velocity after it. Legs lag as far as their joints allow.
+    Returns the point's velocity after it, mm/s. Legs lag as far as their joints allow.
     """
     state, now, n, m = free.state, free.now, free.coordinates[i], free.inverse_mass[i]
     shift, lock, I = free.shift, free.lock, free.inverse_inertia  # noqa: E741
@@ -135,8 +139,7 @@ def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 def _spring_impulse(stiffness, depth, speed, tick):
     """Return the impulse of a spring (g mm/s) in the tick about now, during which it may touch or part.
 
-    It has touched for depth / speed, or will for as long: what of the tick, and of the half tick
-    beyond, that leaves it, it pushes as its depth then is.
+    The depth (mm) changes at `speed` (mm/s). The spring pushes only in the part of the tick in which it touches.
     """
     if depth >= speed * tick:
         return stiffness * depth * tick
@@ -146,7 +149,10 @@ def _spring_impulse(stiffness, depth, speed, tick):
 
 @lean
 def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
-    """Compute the impulse (g mm/s) along the normal in a tick, and that of a spring without restitution."""
+    """Compute the impulse (g mm/s) along the normal in a tick, and that of a spring without loss.
+
+    `kept`: restitution squared. `u`: normal velocity (mm/s), positive when parting. `mobility`: inverse mass, 1/g.
+    """
     whole = _spring_impulse(stiffness, depth, abs(u), tick)
     after = u + mobility * whole
     if u >= 0.0:
@@ -160,10 +166,10 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 
 @kernel_without_refcount
 def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
-    """Push bodies i and j (or a wall, -1) apart where they touch; or store the energy of that.
+    """Push bodies i and j (or a wall, j = -1) apart where they touch, or store the energy of the contact.
 
-    The touch is at (x, z) of the plane in i's image, its normal (n_x, n_z) points from j to i; on i
-    it is the point (b_x, y_i, b_z), on j (c_x, y_j, c_z) of their own axes.
+    The touch is at (x, z) of the plane in i's image. Its normal (n_x, n_z) points from j to i. On i it is the point
+    (b_x, y_i, b_z), on j (c_x, y_j, c_z) of their own axes. `depth`: overlap, mm.
     """
     law, book, free, wall = crowd.law, crowd.book, crowd.free, j < 0
     moves_i, moves_j = crowd.status[i] == OK, not wall and crowd.status[j] == OK
@@ -252,9 +258,9 @@ def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
 
 @lean
 def _resolve_corners(crowd, i, j, layer, first, pushes):
-    """Meet the corners of body i with body j at one end of their edges; returns how many touch.
+    """Resolve contacts of the corners of body i with body j in a layer. Return how many touch.
 
-    With `pushes` they push; else their energy is stored in the book.
+    `first`: whether i comes first in the pair and so counts contacts of corner on corner.
     """
     bodies, planar, count = crowd.bodies, crowd.planar, 0
     own, other = bodies.kind[i], bodies.kind[j]
@@ -286,7 +292,7 @@ def _resolve_corners(crowd, i, j, layer, first, pushes):
 
 @kernel_without_refcount
 def resolve_pair(crowd, i, j, pushes):
-    """Apply the contact impulses between bodies i and j; return the number of touching corners."""
+    """Apply the contact impulses between bodies i and j. Return the number of corners in touch."""
     count = 0
     for layer in range(2):
         count += _resolve_corners(crowd, i, j, layer, True, pushes)
@@ -296,7 +302,7 @@ def resolve_pair(crowd, i, j, pushes):
 
 @lean
 def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
-    """Push body i off a wall at a point, or store its energy; return 1 where it touches."""
+    """Push body i off a wall as `_resolve_contact` does if `depth` > 0. Return 1 if it touches, else 0."""
     if depth <= 0.0:
         return 0
     _resolve_contact(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
@@ -305,7 +311,7 @@ def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
 
 @kernel_without_refcount
 def resolve_walls(crowd, i, pushes):
-    """Apply the contact impulses of the walls on body i; return the number of touching points."""
+    """Apply the contact impulses of the walls on body i. Return the number of points in touch."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0
     if ground.kind >= PERIODIC:
         return 0

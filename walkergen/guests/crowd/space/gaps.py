@@ -1,4 +1,8 @@
-"""Gaps between bodies seen from above, and between bodies and walls."""
+"""Gaps between bodies seen from above, and between bodies and walls.
+
+`bodies`, `ground` and `planar` are those of `bodies.Crowd`, `i` and `j` numbers of walkers. x and z are coordinates in the
+plane, mm. A body's core is its outline moved inward by a radius. `layer`: 0 at the bottom of both bodies, 1 at the top.
+"""
 
 import math
 
@@ -11,7 +15,7 @@ FAR = 1e9
 
 @lean
 def minimum_image(ground, d):
-    """Return the shortest difference of two coordinates (mm) whose difference is d."""
+    """Return the difference of two coordinates, d (mm), to the nearest image in a periodic square."""
     if ground.period > 0.0:
         return d - ground.period * math.floor(d / ground.period + 0.5)
     return d
@@ -19,7 +23,7 @@ def minimum_image(ground, d):
 
 @lean
 def closest_point(bodies, kind, x, z):
-    """Find the point of a kind's core closest to (x, z), all in its own frame.
+    """Find the point of a kind's core closest to (x, z), all in the frame of the body.
 
     Returns distance, point, whether it is a corner, and the number of that corner, or of the closer end of the edge.
     """
@@ -42,7 +46,7 @@ def closest_point(bodies, kind, x, z):
 
 @lean
 def box_distance(bodies, kind, x, z):
-    """Return the distance of (x, z) from the box of a kind's core, all in its own frame."""
+    """Return the distance of (x, z) from the bounding box of a kind's core, all in the frame of the body."""
     box = bodies.box
     d_x = max(abs(x - box[kind, 0]) - box[kind, 2], 0.0)
     d_z = max(abs(z - box[kind, 1]) - box[kind, 3], 0.0)
@@ -51,7 +55,7 @@ def box_distance(bodies, kind, x, z):
 
 @lean
 def to_plane(planar, i, height, b_x, b_z):
-    """Place in the plane of a point of body i, given in its own frame at a height over C."""
+    """Convert the point (b_x, b_z) at a height over C from the frame of body i to the plane."""
     c, s = planar[i, COS], planar[i, SIN]
     x = planar[i, X] + height * planar[i, LEAN_X] + c * b_x - s * b_z
     return x, planar[i, Z] + height * planar[i, LEAN_Z] + s * b_x + c * b_z
@@ -77,7 +81,7 @@ def gap_lower_bound(bodies, ground, planar, i, j):
 
 @lean
 def lean_displacement(bodies, planar, i, j):
-    """Compute the largest displacement of the ends of two bodies' edges by their lean, mm."""
+    """Compute the largest displacement of the ends of two bodies' upright edges by their lean, mm."""
     largest = 0.0
     for body in (i, j):
         kind = bodies.kind[body]
@@ -91,7 +95,7 @@ def lean_displacement(bodies, planar, i, j):
 def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
     """Return the least gap of the corners of body i from body j, mm, or `least` if that is smaller.
 
-    Beyond `cutoff` a lower bound of it.
+    Above `cutoff` a lower bound of the gap is enough.
     """
     own, other = bodies.kind[i], bodies.kind[j]
     height, height_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
@@ -112,7 +116,7 @@ def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
 
 @lean
 def body_gap(bodies, ground, planar, i, j, cutoff):
-    """Return the gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
+    """Return the gap of bodies i and j over both layers, mm; beyond `cutoff` a lower bound."""
     least = FAR
     if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
         return least

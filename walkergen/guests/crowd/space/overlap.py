@@ -1,8 +1,9 @@
 """Overlaps of outlines in a dish, exactly, and walkers that are added or moved without any.
 
-An outline is the edges of its contours about the middle of the circle around it; each walker may be
-smaller than it by a scale of its own. Two outlines overlap when edges cross, or when one lies in
-the other. Random numbers come from outside, so that kernels are functions of their arguments.
+An outline is the edges of its contours about the middle of the circle around it. Each walker may be smaller than its
+outline by its own scale. Two outlines overlap when edges cross, or when one lies in the other. Random numbers come from
+outside, so that kernels are functions of their arguments: `Outlines`, `Bounds` and `Cells`, the walkers' poses `places`
+(x, y of the middle in mm, heading in rad, shape (N, 3)), and their `scales`, shape (N,).
 """
 
 import math
@@ -73,7 +74,7 @@ def empty_cells(outlines: Outlines, bounds: Bounds) -> Cells:
 
 @lean
 def _cell_index(cells, bounds, x, y):
-    """Return the column and row of the square of a place."""
+    """Return the column and row of the grid's square that contains (x, y)."""
     half = max(bounds.outer, bounds.inner)
     last = cells.across - 1
     column = min(max(int((x + half) / cells.side), 0), last)
@@ -82,7 +83,7 @@ def _cell_index(cells, bounds, x, y):
 
 @lean
 def _insert_walker(cells, bounds, i, x, y):
-    """Enter walker i into the square of its place."""
+    """Add walker i to the list of the square that contains (x, y)."""
     column, row = _cell_index(cells, bounds, x, y)
     at = row * cells.across + column
     cells.following[i] = cells.head[at]
@@ -91,7 +92,7 @@ def _insert_walker(cells, bounds, i, x, y):
 
 @lean
 def _remove_walker(cells, bounds, i, x, y):
-    """Remove walker i from the square of its place."""
+    """Remove walker i from the list of the square that contains (x, y)."""
     column, row = _cell_index(cells, bounds, x, y)
     at = row * cells.across + column
     if cells.head[at] == i:
@@ -117,7 +118,7 @@ def _is_inside(outlines, kind, x, y):
 
 @lean
 def _has_intersection(edge, p_x, p_y, q_x, q_y):
-    """Return whether an edge and the segment from p to q have a point in common."""
+    """Return whether an edge (x, y, x, y) and the segment from p to q have a point in common."""
     a_x, a_y, b_x, b_y = edge[0], edge[1], edge[2], edge[3]
     if max(a_x, b_x) < min(p_x, q_x) or max(p_x, q_x) < min(a_x, b_x):
         return False
@@ -135,9 +136,9 @@ def _has_intersection(edge, p_x, p_y, q_x, q_y):
 
 @lean
 def _has_overlap(outlines, own, other, d_x, d_y, turn, ratio):
-    """Return whether two outlines overlap, in the frame of kind `own`.
+    """Return whether the outlines of two kinds overlap, in the frame of kind `own`.
 
-    Kind `other` is `ratio` times as large, its middle at (d_x, d_y) and its heading `turn`.
+    Kind `other` is scaled by `ratio`. Its middle is at (d_x, d_y), mm, and it is turned by `turn`, rad.
     """
     c, s, reach = ratio * math.cos(turn), ratio * math.sin(turn), outlines.outer[own]
     for e in range(outlines.first[other], outlines.first[other + 1]):
@@ -242,9 +243,9 @@ def is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
 
 @kernel
 def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
-    """Add walkers in an order, from the `done`-th on, each where a random place first is free.
+    """Add walkers in an order, each at the first random pose that is free. The first `done` are already there.
 
-    `randoms`: shape (tries, 3), 0 to 1. Returns how many are added when these are used up.
+    `randoms`: shape (tries, 3), 0 to 1. Returns the number of walkers there when all are added or all tries are used.
     """
     half_x = bounds.outer
     half_y = bounds.inner if bounds.kind == RECTANGLE else bounds.outer
@@ -263,10 +264,10 @@ def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
 
 @kernel
 def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growth, most):
-    """Move every walker once at random and let it grow, to a scale of `most` at the utmost.
+    """Move every walker once at random and let it grow, up to a scale of `most`.
 
-    `randoms`: shape (N, 4), 0 to 1; `steps`: largest shift (mm) and turn (rad); `growth`: largest
-    of a walker, over its size. Returns how many moves left no overlap, and were made.
+    `randoms`: shape (N, 4), 0 to 1. `steps`: largest shift (mm) and turn (rad). `growth`: largest relative growth.
+    Moves that would overlap are not made. Returns the number of moves made.
     """
     moved = 0
     half = 0.5 * bounds.period
@@ -293,7 +294,7 @@ def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growt
 
 @kernel
 def find_overlap(outlines, bounds, cells, places, scales):
-    """Find the first walker that overlaps a wall or another one; NO_WALKER without any. Fills empty cells."""
+    """Return the first walker that overlaps a wall or another one, or NO_WALKER. Fills the empty `cells`."""
     for i in range(len(places)):
         x, y, heading = places[i, 0], places[i, 1], places[i, 2]
         if not is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):

@@ -46,11 +46,11 @@ SIMPLIFY_MM = 0.01
 
 
 def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, clearance_mm: float) -> Array:
-    """Place x, y (mm) and heading (rad) of every walker's O, shape (N, 3), without overlap.
+    """Place walkers at random without overlap: x, y (mm) and heading (rad) of each origin O, shape (N, 3).
 
-    `outlines`: contours of each walker, from O, equal walkers sharing one object; any two are
-    `clearance_mm` apart at least, and from walls half of it. Raises InputError when there is no
-    room, with the densest packing that there is.
+    `outlines`: contours of each walker, from O, equal walkers sharing one object. Any two are `clearance_mm` apart at
+    least, and from walls half of it. Raises InputError when there is no room, with the densest packing that was
+    reached.
     """
     shapes, middles = _make_outlines(outlines, 0.5 * clearance_mm)
     bounds = make_bounds(dish)
@@ -76,7 +76,7 @@ def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, cle
 
 
 def find_overlap(outlines: Sequence[Outline], dish: Dish, places: Array) -> int | None:
-    """Find the first walker that overlaps another or a wall, placed by O; None without any."""
+    """Find the first walker that overlaps another or a wall. `places`: poses of the origins O. None without any."""
     shapes, middles = _make_outlines(outlines, 0.0)
     bounds = make_bounds(dish)
     about_middle = _to_origin_poses(places, -middles[shapes.kind])
@@ -93,7 +93,7 @@ def make_bounds(dish: Dish) -> Bounds:
 
 
 def _make_outlines(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array]:
-    """Return outlines of all kinds, larger by a margin (mm), and their middles from O, (kinds, 2), mm."""
+    """Return outlines of all kinds, widened by a margin (mm), and their middles from O, (kinds, 2), mm."""
     import shapely
 
     numbers: dict[int, int] = {}
@@ -124,7 +124,7 @@ def _make_outlines(outlines: Sequence[Outline], margin: float) -> tuple[Outlines
 
 
 def _to_origin_poses(places: Array, middles: Array) -> Array:
-    """Convert poses of the walkers' middles, from O, to poses of O."""
+    """Convert poses of the outlines' middles to poses of the origins O. `middles`: from O, shape (N, 2), mm."""
     c, s = np.cos(places[:, 2]), np.sin(places[:, 2])
     x, y = middles.T
     turned = np.column_stack([c * x - s * y, s * x + c * y])
@@ -134,7 +134,7 @@ def _to_origin_poses(places: Array, middles: Array) -> Array:
 def _add_walkers(
     shapes: Outlines, bounds: Bounds, scales: Array, order: Whole, rng: np.random.Generator
 ) -> tuple[Array, Cells] | None:
-    """Return places of middles, and cells, of walkers added one by one; None where one found no room."""
+    """Add walkers one by one at random. Return poses of their middles, and cells; None if one finds no room."""
     cells = overlap.empty_cells(shapes, bounds)
     places = np.zeros((len(order), 3))
     done, tries = 0, MAX_TRIES_PER_WALKER * len(order)
@@ -151,30 +151,30 @@ def _add_walkers(
 def _grow_walkers(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator
 ) -> bool:
-    """Move walkers and grow them to full size; False if there is no room for it."""
-    for number, pace in enumerate(GROWTH_RATES):
+    """Move walkers and grow them to full size, ever slower. Return False if there is no room."""
+    for number, rate in enumerate(GROWTH_RATES):
         if number > 0:
             scales *= SHRINK_SCALE
-        if _grow_at_rate(shapes, bounds, cells, places, scales, rng, pace):
+        if _grow_at_rate(shapes, bounds, cells, places, scales, rng, rate):
             return True
     return False
 
 
 def _grow_at_rate(
-    shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator, pace: float
+    shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator, rate: float
 ) -> bool:
-    """Move walkers and grow them at a pace, until all have full size or no room for it."""
+    """Move walkers and grow them by at most `rate` a move. Return whether all reach full size."""
     n, largest = len(places), float(shapes.outer.max())
     steps, smallest = np.array([0.3 * largest, 0.5]), float(scales.min())
-    least, most_steps = np.array([1e-4 * largest, 1e-4]), np.array([largest, math.pi])
+    min_steps, max_steps = np.array([1e-4 * largest, 1e-4]), np.array([largest, math.pi])
     for number in range(max(MAX_MOVES // n, STALL_MOVES)):
-        most, randoms = min(1.0, MAX_SCALE_RATIO * float(scales.min())), rng.random((n, 4))
-        moved = overlap.move_and_grow(shapes, bounds, cells, places, scales, randoms, steps, pace, most)
+        max_scale, randoms = min(1.0, MAX_SCALE_RATIO * float(scales.min())), rng.random((n, 4))
+        moved = overlap.move_and_grow(shapes, bounds, cells, places, scales, randoms, steps, rate, max_scale)
         if scales.min() == 1.0:
             return True
-        steps = np.clip(steps * (1.1 if moved > 0.4 * n else 0.9), least, most_steps)
+        steps = np.clip(steps * (1.1 if moved > 0.4 * n else 0.9), min_steps, max_steps)
         if number % STALL_MOVES == STALL_MOVES - 1:
-            if float(scales.min()) < smallest * (1.0 + MIN_GROWTH * pace):
+            if float(scales.min()) < smallest * (1.0 + MIN_GROWTH * rate):
                 return False
             smallest = float(scales.min())
     return False
@@ -193,7 +193,7 @@ def _check_size(shapes: Outlines, dish: Dish) -> None:
 
 
 def _density_error(count: int, packing: float, reached: float | None) -> InputError:
-    """Return the error for a crowd without room."""
+    """Return the error for a crowd without room; `reached`: largest packing that fitted, if known."""
     number = "one walker does" if count == 1 else f"{count} walkers do"
     dense = "" if reached is None else f", which was filled to {reached:.2f} at most"
     return InputError(

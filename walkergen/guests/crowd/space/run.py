@@ -94,7 +94,7 @@ def prepare(
 
 
 def _centre_places(places: Array, of_walkers: Sequence[Plan]) -> Array:
-    """Return the places of the centres of mass of walkers with O at `places`."""
+    """Return the poses of the centres of mass of walkers whose origins O have the poses `places`."""
     centres = np.asarray(places, float).copy()
     for row, plan in zip(centres, of_walkers, strict=True):
         forward, left = -plan.world.walker.centre[0], plan.world.walker.centre[2]
@@ -103,9 +103,9 @@ def _centre_places(places: Array, of_walkers: Sequence[Plan]) -> Array:
     return centres
 
 
-def _contact_law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
-    """Return the law of contacts and the tick that it needs, a number of steps of the walkers' own."""
-    step = min(plan.world.options.step for plan in every)
+def _contact_law(scene: Scene, plans: Sequence[Plan]) -> bodies.Law:
+    """Return the contact law with its time step, a power of two times the walkers' own step."""
+    step = min(plan.world.options.step for plan in plans)
     tick = step * 2.0 ** math.floor(math.log2(CONTACT_TIME_S / MIN_TICKS_PER_TOUCH / step))
     return bodies.Law(
         0.5 * (math.pi / CONTACT_TIME_S) ** 2,  # eq. 9.1, half of it at either end of an edge
@@ -161,7 +161,10 @@ def simulate(
 
 
 def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
-    """Return world and state of each walker, at rest over its place; the first draws plate and phase."""
+    """Return world and state of each walker of a run, at rest over its place.
+
+    The random stream of the first walker sets noise and phase of the plate for all.
+    """
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
@@ -186,14 +189,14 @@ def _place_walker(world: World, state: State, x: float, y: float, heading: float
 
 
 def make_crowd(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
-    """Make a crowd of walkers in these states, without records; also return the walkers with their states in it."""
+    """Return a crowd of walkers in these states, without records, and the walkers with states that it shares."""
     return _assemble_crowd(plan, walkers, [record.new_tally() for _ in walkers])
 
 
 def attach_records(
     plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
 ) -> tuple[bodies.Crowd, Walkers]:
-    """Return the same crowd and walkers with these new records."""
+    """Return the crowd `before` and its walkers with the new records `tallies`."""
     crowd, walkers = _assemble_crowd(plan, walkers, tallies)
     crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching
@@ -201,6 +204,7 @@ def attach_records(
 
 
 def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -> tuple[bodies.Crowd, Walkers]:
+    """Return a crowd of these walkers, and the walkers with the states that the crowd shares."""
     count, (worlds, states) = len(walkers), zip(*walkers, strict=True)
     movers, free = bodies.make_movers(worlds, states, tallies)
     crowd = bodies.Crowd(
@@ -219,7 +223,7 @@ def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.
 
 
 def _block_count(plan: CrowdPlan, seconds: float) -> int:
-    """Return the number of blocks of a single walker's record, whose bits depend on them."""
+    """Return the number of blocks of a record, as of a single walker: results depend on it to the bit."""
     period = plan.plans[0].world.drive.period
     return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MAX_BLOCKS)
 
@@ -231,7 +235,7 @@ def advance(
     stopped: Callable[[], bool],
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> float:
-    """Advance by `seconds` in so many blocks; return the seconds done."""
+    """Advance by `seconds` in a number of blocks, unless `stopped`. Return the seconds done."""
     if seconds <= 0.0:
         return 0.0
     block, done = seconds / blocks, 0.0
@@ -251,18 +255,18 @@ def advance(
 
 
 def _energies(walkers: Walkers) -> Array:
-    """Compute each walker's energy without that of its contacts with others, g mm^2/s^2."""
+    """Compute each walker's energy without that of its contacts with other bodies, g mm^2/s^2."""
     return np.array([energy(*walker) for walker in walkers])
 
 
-def _contact_energy_error(book: Array, held: float) -> float:
-    """Compute the unexplained energy of contacts along their normals, over the energy taken."""
+def _contact_energy_error(book: Array, gain: float) -> float:
+    """Compute the unexplained share of contacts' normal work; `gain`: change of their stored energy."""
     lost = book[bodies.LOST]
-    taken = max(abs(book[bodies.WORK]), lost, abs(held))
-    return float(abs(book[bodies.WORK] + held + lost) / taken) if taken else 0.0
+    taken = max(abs(book[bodies.WORK]), lost, abs(gain))
+    return float(abs(book[bodies.WORK] + gain + lost) / taken) if taken else 0.0
 
 
 def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
-    """Return the outcome of each walker."""
+    """Return the outcome of each walker. Those of an `unfinished` run that are well were stopped."""
     well = Outcome.STOPPED if unfinished else Outcome.OK
     return tuple((well if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)

@@ -64,7 +64,7 @@ def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
 
 
 def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, float]:
-    """Return corners and edges of the core of an outline, and the radius around it."""
+    """Return corners and edges of the core of contours, and the radius (mm) that was taken off them."""
     middle = contours[0].mean(axis=0)
     far = np.hypot(*(contours[0] - middle).T)
     if len(contours) == 1 and len(far) > 12 and float(np.ptp(far)) < CIRCLE_TOLERANCE_MM:
@@ -90,7 +90,7 @@ def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, flo
 
 
 def common_heights(shapes: tuple[Shape, ...]) -> Array:
-    """Return the heights over C where kind i can meet kind j, shape (kinds, kinds, 2).
+    """Return the lowest and highest height over C at which kind i meets kind j, mm, (kinds, kinds, 2).
 
     NaN where standing bodies pass over each other.
     """

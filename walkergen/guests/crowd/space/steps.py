@@ -3,7 +3,7 @@
 Time passes in ticks and in rounds of 2^LEVELS ticks. Contacts take one tick each. A walker moves on by 2^n ticks in one
 step. n is as large as its gaps allow at its own and its neighbours' speeds: far from all others, a whole round. As
 these spans nest, walkers near each other are always at the same time. The result depends only on the order of the pairs
-that touch.
+that touch. `crowd` is a `bodies.Crowd`, `i` and `j` are numbers of walkers.
 """
 
 import math
@@ -69,7 +69,7 @@ FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
 
 @kernel_without_refcount
 def _move(crowd, i, t):
-    """Move walker i by t seconds as if alone, and update its top view."""
+    """Move walker i by t seconds as if alone, and update its row of `crowd.planar`."""
     mover = borrow_item(crowd.movers, i)
     if t == 0.0:
         place(mover.world, mover.state, mover.work)
@@ -80,7 +80,7 @@ def _move(crowd, i, t):
 
 @lean
 def _update_planar(crowd, i, mover):
-    """Update the top view of walker i, and a bound of its outline's speed."""
+    """Update the row of walker i in `crowd.planar`: its top view, and a bound of its outline's speed."""
     state, work, walker, planar = mover.state, mover.work, mover.world.walker, crowd.planar
     R, now, n = work.R, work.now, len(walker.stiffness)
     o_x, o_y, o_z = 0.0, 0.0, 0.0
@@ -117,7 +117,10 @@ def _max_level(ticks, most):
 
 @lean
 def _record_touch(crowd, row, column, count, late):
-    """Record whether a pair touches, and whether it was deeper than a tick explains."""
+    """Record whether walkers `row` and `column` touch (one walker: the walls), and whether a new touch is late.
+
+    `count`: corners in touch. `late`: whether the overlap is deeper than a tick explains.
+    """
     touches = 1 if count > 0 else 0
     if touches == 1 and crowd.touching[row, column] == 0:
         crowd.book[TOUCHES] += 1.0
@@ -145,9 +148,9 @@ def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
 
 @lean
 def _meet_pair(crowd, i, j, seen, now):
-    """Resolve contacts of walkers i and j; return the ticks before they can touch, 1 where they do.
+    """Resolve contacts of walkers i and j at tick `now`. Return the ticks before they can touch, 1 if they do.
 
-    `seen`: their gap at the last update, and that time in ticks, shape (2,).
+    `seen`: their gap at the last update and its tick, shape (2,).
     """
     if crowd.status[i] != OK and crowd.status[j] != OK:
         return FAR
@@ -163,7 +166,7 @@ def _meet_pair(crowd, i, j, seen, now):
 
 @lean
 def _meet_walls(crowd, i, seen, now):
-    """Resolve contacts of walker i with the walls; return the ticks before it can touch one, 1 where it does."""
+    """Resolve contacts of walker i with walls at tick `now`. Return the ticks before it can touch, 1 if it does."""
     if crowd.status[i] != OK:
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
@@ -177,7 +180,7 @@ def _meet_walls(crowd, i, seen, now):
 
 @kernel_without_refcount
 def _list_neighbours(crowd, span, pairs):
-    """List pairs that may touch within `span` seconds; returns how many."""
+    """List walkers that may touch within `span` seconds in `pairs`. Return how many, -1 if too many."""
     count, n = 0, len(crowd.status)
     for i in range(n):
         for j in range(i + 1, n):
@@ -192,7 +195,7 @@ def _list_neighbours(crowd, span, pairs):
 
 @kernel_without_refcount
 def _advance_round(crowd, pairs, count, plans, levels):
-    """Move the crowd by 2^levels ticks; the first `count` of `pairs` may touch."""
+    """Move the crowd by 2^levels ticks. The first `count` of `pairs` may touch. `plans`: a `Plans` to fill."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
     safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
     until, allowed = plans.until, plans.allowed
