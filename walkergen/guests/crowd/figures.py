@@ -46,7 +46,7 @@ WALL_PANELS = (
 
 
 def draw_functions(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
-    """Return functions that draw each figure that the crowd has, by the stems of their files."""
+    """Return functions that draw the figures that the crowd has data for, by the stems of their files."""
     curves = statistics.curves
     draws: dict[str, tuple[str, Callable[[], Figure]]] = {
         "crowd_pairs": ("g", partial(_draw_panels, curves, title, "distance of centres (mm)", PAIR_PANELS)),
@@ -72,7 +72,7 @@ def _is_drawable(curve: Curve) -> bool:
 
 @style()
 def _draw_panels(curves: Mapping[str, Curve], title: str, at: str, panels: Sequence[Panel]) -> Figure:
-    """Draw curves over one axis in panels, those that there are."""
+    """Draw panels of curves over one axis, labelled `at`. Missing curves are left out."""
     shown = [panel._replace(names=tuple(name for name in panel.names if name in curves)) for panel in panels]
     shown = [panel for panel in shown if panel.names]
     figure, grid = new_panels(title, [panel.height for panel in shown])
@@ -145,7 +145,7 @@ def _draw_packing(statistics: CrowdStatistics, title: str) -> Figure:
 
 
 def _draw_curve(axes: Axes, curve: Curve, look: Look, label: str) -> None:
-    """Draw a curve with its errors, as bars or, of a long one, as a band."""
+    """Draw a curve with its errors: as bars, or as a band if it is long."""
     if len(curve.at) <= MAX_MARKERS:
         plots.draw_points(axes, curve, look, label, joined=True)
     else:

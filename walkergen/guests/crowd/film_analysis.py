@@ -42,7 +42,7 @@ class FilmedCrowd(NamedTuple):
 
 
 def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> FilmedCrowd:
-    """Parse a crowd's dish, such as "disc:120", "24x8", "60,60". Raises InputError."""
+    """Parse a crowd's dish as "disc:120", body as "24x8" and middle as "60,60". Raises InputError."""
     ground = parse_dish(dish, "‹dish›")
     return FilmedCrowd(ground, _parse_body(body), _parse_middle(middle), tuple(others))
 
@@ -104,7 +104,7 @@ def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
 
 
 def _parse_body(body: str | None) -> tuple[Array, ...]:
-    """Parse the outline of a body: its length and width, its diameter, or the file of a walker."""
+    """Return the outline of a body, from its length and width, its diameter, or the file of a walker; mm."""
     if body is None:
         return ()
     sizes = [parse_number(word) for word in body.split("x")]
@@ -123,7 +123,7 @@ def _parse_body(body: str | None) -> tuple[Array, ...]:
 
 
 def _parse_middle(middle: str | None) -> tuple[float, float]:
-    """Place of the dish's middle; the origin where none is given."""
+    """Parse the position of the dish's middle, mm. It is the origin by default."""
     if middle is None:
         return 0.0, 0.0
     numbers = [parse_number(word) for word in middle.split(",")]

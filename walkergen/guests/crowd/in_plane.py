@@ -33,7 +33,7 @@ TESTED_RANGE = (
 def make_population(
     request: CrowdRequest, scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population with these counts of each card; without counts of one, the scene's number.
+    """Return a population with `counts` walkers of each card, or of one card with the number in the scene.
 
     Raises InputError for too many walkers or frames, and for a lid.
     """
@@ -53,13 +53,13 @@ def make_population(
 
 
 class InPlane(NamedTuple):
-    """Crowd in a plane: an experiment (`points.measure`), a run a LAMMPS from places of its own."""
+    """Crowd in a plane, as an experiment of `core.measure`. Each run of LAMMPS starts at its own positions."""
 
     request: CrowdRequest
     population: Population
 
     def prepare(self) -> OneRun[CrowdFilm]:
-        """Return a function that places and simulates the run of a number.
+        """Return a function that places and simulates the walkers of run `number`.
 
         Raises InputError for a crowd denser than was tested. A run raises it if the crowd does not fit, or LAMMPS is
         absent.
@@ -69,7 +69,10 @@ class InPlane(NamedTuple):
         whole = _total_seconds(population)
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
-            def advance(what: str, frames: int, total: int) -> None:
+            """Simulate a run and return its film. `tell` receives the share that is done."""
+
+            def advance(task: str, frames: int, total: int) -> None:
+                """Report progress to `tell`; end the run if it is stopped."""
                 if stopped():
                     raise KeyboardInterrupt  # ends LAMMPS, on this thread
                 tell(frames / total)
@@ -81,19 +84,19 @@ class InPlane(NamedTuple):
         return simulate_run
 
     def film(self, run: CrowdFilm) -> CrowdFilm:
-        """Return the film of a run, seen from above; nothing else of the run is kept."""
+        """Return the film of a run, seen from above: the run itself, as nothing else of it is kept."""
         return run
 
     def quantities(self, records: Sequence[CrowdFilm]) -> list[Quantity]:
-        """Compute the statistics of the films of runs; for speeds only a single walker's."""
+        """Compute the statistics of the crowd from the films of its runs."""
         return list(measure(records).numbers.values())
 
     def finer(self) -> None:
-        """Return None, because the step's effect on a crowd is unknown."""
+        """Return None: there is no finer experiment, as the step's effect on a crowd is unknown."""
 
 
 def check_packing(packing: float) -> None:
-    """Refuse packings outside the tested range of cards. Raises InputError."""
+    """Raise InputError for a packing outside the tested range of cards."""
     if round(packing, 2) > MAX_TESTED_PACKING:
         raise InputError(
             f"packing {packing:.3g}: {TESTED_RANGE}. Use fewer walkers, a larger ‹arena›, designs in place of cards, "
@@ -111,7 +114,7 @@ def input_files(request: CrowdRequest, population: Population) -> dict[str, byte
 
 
 def _total_seconds(population: Population) -> float:
-    """Return the time of a run with its start, s."""
+    """Return the time of a run, its discarded start included, s."""
     return population.scene.run.seconds + population.scene.run.discard_seconds
 
 

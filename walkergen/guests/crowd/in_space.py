@@ -28,7 +28,7 @@ COMPILE_RUN_S = 1e-6
 def make_population(
     request: CrowdRequest, scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population with these counts of each design; without counts of one, the scene's number.
+    """Return a population with `counts` walkers of each design, or of one design with the number in the scene.
 
     Raises InputError for too many walkers or frames, and the errors of the designs.
     """
@@ -51,19 +51,21 @@ def make_population(
 
 
 class InSpace(NamedTuple):
-    """Crowd in space: an experiment (`points.measure`), a run a crowd from places of its own."""
+    """Crowd in space, as an experiment of `core.measure`. Each run starts at its own positions."""
 
     request: CrowdRequest
     population: Population
 
     def prepare(self) -> OneRun[CrowdRun]:
-        """Return a function that places and simulates the run of a number, with its kernels compiled.
+        """Return a function that places and simulates the walkers of run `number`, with its kernels compiled.
 
         Raises InputError if the crowd does not fit, or contradicts the model in space.
         """
         placed, rate_hz = _placement_function(self.population), self.request.rate_hz
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
+            """Simulate a run. `tell` receives the share that is done."""
+
             def report_progress(seconds: float) -> None:
                 tell(seconds / self.population.scene.run.seconds)
 
@@ -77,20 +79,21 @@ class InSpace(NamedTuple):
         return populations.make_film(self.population, run.times, run.poses)
 
     def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:
-        """Compute the statistics of the films of runs."""
+        """Compute the statistics of the crowd from the films of its runs."""
         return list(measure([self.film(run) for run in records]).numbers.values())
 
     def finer(self) -> None:
-        """Return None, because the step's effect on a crowd is unknown."""
+        """Return None: there is no finer experiment, as the step's effect on a crowd is unknown."""
 
 
 def cpu_seconds(request: CrowdRequest, population: Population) -> float:
-    """Estimate the CPU seconds of a crowd's run from a moment of the first, after its walkers have landed."""
+    """Estimate the CPU seconds of a run from a short piece of the first, after its walkers have landed."""
     plan, times = _placement_function(population)(0), list[tuple[float, float]]()
     _compile_kernels(plan, request.rate_hz)
     over = run_time.stop_after_moment()
 
     def record_time(seconds: float) -> None:
+        """Record CPU time and simulated time of a crowd that has landed."""
         if seconds >= run_time.SETTLING_S:
             times.append((time.thread_time(), seconds))
 
@@ -104,14 +107,14 @@ def cpu_seconds(request: CrowdRequest, population: Population) -> float:
 
 
 def _placement_function(population: Population) -> Callable[[int], CrowdPlan]:
-    """Return a function that places the walkers of the run of a number. Raises InputError."""
+    """Return a function from a run's number to the plan with its walkers placed. Raises InputError."""
     plan = _make_plan(population)
     about_C = _contours_from_centre(population, plan)
     return lambda number: plan._replace(places=populations.place_walkers(population, about_C, number))
 
 
 def _make_plan(population: Population) -> CrowdPlan:
-    """Make the plan of a crowd whose walkers have no places yet. Raises InputError."""
+    """Make the plan of a crowd, with every walker at the origin. Raises InputError."""
     designs = [(kind.design, kind.mass) for kind in population.kinds if kind.design and kind.mass]
     return crowds.prepare(population.scene, designs, population.numbers, np.zeros((len(population.numbers), 3)))
 

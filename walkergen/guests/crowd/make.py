@@ -58,7 +58,7 @@ def _run_crowd(request: CrowdRequest, progress: Progress, expect: Expect) -> Rep
 
 
 def _expected_time(request: CrowdRequest, population: Population) -> Expected:
-    """Estimate the time of a crowd in space from a moment of it."""
+    """Estimate the time that a crowd in space takes, from a short piece of a run."""
     cpu_seconds = in_space.cpu_seconds(request, population)
     return Expected(run_time.wall_time(cpu_seconds, population.scene.run.runs, request.threads))
 
@@ -67,7 +67,7 @@ def simulate(request: CrowdRequest, population: Population, progress: Progress) 
     """Place and simulate every run on the requested threads, and measure them.
 
     Any number of threads gives equal bits. After Ctrl-C, the runs that were done are returned; without any,
-    KeyboardInterrupt is raised again. Raises as the experiment of its model does.
+    KeyboardInterrupt is raised again. Raises as `prepare` of its model does.
     """
     flat = population.model == "flat"
     crowd: InSpace | InPlane = (InPlane if flat else InSpace)(request, population)

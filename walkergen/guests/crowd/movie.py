@@ -64,7 +64,7 @@ class _Bodies(NamedTuple):
 
 
 def check_format(path: Path) -> None:
-    """Raise InputError for a suffix that names no form, and for an MP4 without ffmpeg."""
+    """Raise InputError for a suffix that names no format, and for an MP4 without ffmpeg."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"‹movie=›{str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
@@ -73,18 +73,18 @@ def check_format(path: Path) -> None:
 
 
 def write(path: Path, film: CrowdFilm, title: str, fps: int, progress: Progress) -> int:
-    """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
+    """Write a movie as .mp4 or .gif, or the last frame as .png. Return the number of frames.
 
-    A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
-    MP4 a fifth of it. Raises InputError as `check_format` does.
+    A GIF has the nearest frame rate that the format allows. With thousands of moving walkers a frame takes some 0.13
+    MB, in an MP4 a fifth of it. Raises InputError as `check_format` does.
     """
     check_format(path)
     suffix = path.suffix.lower()
     if suffix == ".png":
         output.write(path, render_still(film, title))
         return 1
-    every = math.ceil(len(film.times) / MAX_FRAMES)
-    shown = film.select_frames(np.arange(0, len(film.times), every))
+    stride = math.ceil(len(film.times) / MAX_FRAMES)
+    shown = film.select_frames(np.arange(0, len(film.times), stride))
     if suffix == ".gif":
         fps = min(GIF_FPS, key=lambda rate: abs(math.log(rate / fps)))
     draw, count = make_draw_function(shown, title, fps), len(shown.times)
@@ -92,9 +92,9 @@ def write(path: Path, film: CrowdFilm, title: str, fps: int, progress: Progress)
         keep = ["#" + "".join(f"{round(255 * part):02x}" for part in hue) for hue in heading_colours()]
         output.write(path, animation.encode(draw, count, fps, HOLD_S, keep, progress).gif)
         return count
-    mp4, without = animation.encode_mp4(draw, count, fps, progress)
+    mp4, reason = animation.encode_mp4(draw, count, fps, progress)
     if mp4 is None:
-        raise InputError(f"{str(path)[:80]!r}: {without}; name a .gif instead")
+        raise InputError(f"{str(path)[:80]!r}: {reason}; name a .gif instead")
     output.write(path, mp4)
     return count
 
@@ -107,7 +107,7 @@ def render_still(film: CrowdFilm, title: str) -> bytes:
 
 
 def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> Draw:
-    """Make a function that draws a frame, coloured by heading, or by kind where headings are unknown.
+    """Make a function that draws a frame, with walkers coloured by heading, or by kind if headings are unknown.
 
     `fps` of the movie gives its speed compared with real time.
     """
@@ -128,6 +128,7 @@ def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> D
     canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
 
     def draw(frame: int) -> Pixels:
+        """Draw a frame and return its pixels."""
         x, y = dish_geometry.wrap_places(film.x[frame], film.y[frame], film.dish)
         theta = film.theta[frame]
         faces = paint(theta)
@@ -162,16 +163,16 @@ def heading_colours() -> Array:
 
 
 def _make_colour_function(film: CrowdFilm) -> Callable[[Array], Array]:
-    """Return a function from headings to the colour of each walker, shape (N, 3)."""
+    """Return a function from headings (rad, shape (N,)) to the colour of each walker, shape (N, 3)."""
     if film.has_headings:
         wheel = np.vstack([heading_colours(), to_rgb(PLATE_COLOUR)])
 
-        def wheel_colours(theta: Array) -> Array:
+        def colours_of_headings(theta: Array) -> Array:
             turn = np.nan_to_num(theta) / (2.0 * np.pi)
             at = np.rint(turn * HUE_COUNT).astype(np.int64) % HUE_COUNT
             return np.asarray(wheel[np.where(np.isnan(theta), HUE_COUNT, at)])
 
-        return wheel_colours
+        return colours_of_headings
     kinds = list(dict.fromkeys(film.kinds))
     own = np.array([to_rgb(_kind_colour(kinds.index(kind))) for kind in film.kinds])
     return lambda theta: own
@@ -204,14 +205,17 @@ def _walker_size(film: CrowdFilm) -> float:
 
 
 def _symbol_outline(film: CrowdFilm) -> Array:
-    """Return the shape of walkers without an outline: a dart along the heading, or a disc without headings."""
+    """Return the symbol of a walker without an outline: a dart along the heading, or a disc."""
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     shape = DART_SHAPE if film.has_headings else 0.35 * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.asarray(_walker_size(film) * shape)
 
 
-def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array, film: CrowdFilm) -> None:
-    """Show walkers of a kind that are seen, across the edges of a periodic square as well."""
+def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Array, film: CrowdFilm) -> None:
+    """Move the drawings of one kind's walkers that are seen, with images across the edges of a periodic square.
+
+    `x`, `y` (mm), `theta` (rad) and `colours`: of all walkers, one row each.
+    """
     walkers = kind.walkers[np.isfinite(x[kind.walkers])]
     places = np.column_stack([x[walkers], y[walkers]])
     if film.dish.period:
@@ -221,11 +225,14 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array
     along, across = kind.corners.T
     corners = np.stack([c * along - s * across, s * along + c * across], axis=2)
     kind.drawn.set_verts(list(corners + places[:, None]))
-    kind.drawn.set_facecolor(list(map(tuple, faces[walkers])))
+    kind.drawn.set_facecolor(list(map(tuple, colours[walkers])))
 
 
 def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
-    """Add images across the edges of a periodic square to the places."""
+    """Add images of walkers near the edges of a periodic square. Return all places and their walkers' numbers.
+
+    `reach`: largest distance of a walker's corners from its place, mm.
+    """
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
         other = places[over]
@@ -274,7 +281,7 @@ def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None)
 
 
 def _draw_legend(canvas: Canvas, kinds: Sequence[str]) -> None:
-    """Draw a legend of the kinds."""
+    """Draw a legend of the kinds' colours."""
     colours = [Patch(color=_kind_colour(at), label=kind) for at, kind in enumerate(kinds)]
     place = (1.0 - MARGIN_PX / WIDTH_PX, 0.0)
     canvas.figure.legend(

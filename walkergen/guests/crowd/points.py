@@ -21,11 +21,11 @@ SIZE_COLUMNS = ("walkers", "runs", "seconds")
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
-    """Accept all groups: a crowd has them all."""
+    """Accept any arguments, as a crowd has all statistics."""
 
 
 def title(model: str) -> str:
-    """Return the source of the numbers, as text."""
+    """Return the name of what gives the numbers."""
     return "crowds"
 
 
@@ -35,7 +35,7 @@ def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
 
 
 def statistic_columns(name: str) -> tuple[str, str, str, str]:
-    """Return the columns of a statistic of `measuring.UNITS`: value, standard error, bounds of 95 %."""
+    """Return the columns of a statistic of `UNITS`: value, standard error, bounds of 95 %."""
     unit = f"_{UNITS[name]}" if UNITS[name] else ""
     return f"{name}{unit}", f"{name}_se{unit}", f"{name}_low_95{unit}", f"{name}_high_95{unit}"
 
@@ -50,7 +50,7 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 
 
 def cost(point: Point) -> float:
-    """Estimate the CPU seconds of a crowd from a moment of it. Raises as `evaluate` does."""
+    """Estimate the CPU seconds of a crowd from a short piece of a run. Raises as `evaluate` does."""
     request = CrowdRequest()
     population = in_space.make_population(request, point.scene, [point.design])
     return point.scene.run.runs * in_space.cpu_seconds(request, population)
@@ -59,8 +59,7 @@ def cost(point: Point) -> float:
 def evaluate(point: Point) -> Record:
     """Simulate a crowd as `walkergen crowd` does, on this thread alone, and measure it.
 
-    Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs
-    are missing.
+    Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs are missing.
     """
     request = CrowdRequest(threads=1)
     population = in_space.make_population(request, point.scene, [point.design])
@@ -78,7 +77,7 @@ def evaluate(point: Point) -> Record:
 
 
 def _run_status(simulated: Simulated) -> Record:
-    """Return the status of a crowd's runs."""
+    """Return the status of a crowd's runs: whether walkers fell, energy is missing or errors are unknown."""
     if fallen := simulated.fallen:
         count = sum(simulated.outcomes.values())
         which = ", ".join(f"{count} {name}" for name, count in fallen.items())

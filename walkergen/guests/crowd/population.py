@@ -81,17 +81,17 @@ class Simulated(NamedTuple):
 
     @property
     def outcomes(self) -> Counter[str]:
-        """Walkers of all runs, counted by outcome."""
+        """Number of walkers of all runs for each outcome."""
         return Counter(outcome for run in self.runs for outcome in run.outcomes)
 
     @property
     def fallen(self) -> dict[str, int]:
-        """Walkers of all runs that did not reach the end, counted by outcome."""
+        """Number of walkers of all runs that did not reach the end, for each outcome."""
         return {name: count for name, count in self.outcomes.items() if name not in GOOD_OUTCOMES}
 
     @property
     def energy_error(self) -> float:
-        """Largest energy of a run that nothing accounts for, over the energy exchanged."""
+        """Largest unexplained energy of a walker in any run, over the energy exchanged."""
         return max((run.energy_error for run in self.runs), default=0.0)
 
 
@@ -103,7 +103,7 @@ def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
 
 
 def check_population(request: CrowdRequest, population: Population) -> None:
-    """Raise InputError for two kinds of one name, an accepted error, too few frames or too many."""
+    """Raise InputError if two kinds share a name, speeds may have an error, or frames are too few or many."""
     names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"‹count›: two designs have the name {max(names, key=names.count)!r}. Rename one.")
@@ -120,9 +120,9 @@ def check_population(request: CrowdRequest, population: Population) -> None:
 
 
 def place_walkers(population: Population, contours: Sequence[Sequence[Array]], number: int) -> Array:
-    """Draw places and headings at which a run begins, shape (N, 3). Raises InputError if walkers do not fit.
+    """Draw the poses at which run `number` begins, shape (N, 3). Raises InputError if walkers do not fit.
 
-    Places are those of the origins of the contours of each kind.
+    `contours`: outlines of each kind. Poses are x, y (mm) and heading (rad) of the contours' origins.
     """
     stream = np.random.SeedSequence([population.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
     outlines = [contours[kind] for kind in population.numbers]

@@ -29,7 +29,7 @@ def read_population(request: CrowdRequest) -> Population:
 
 
 def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
-    """Return whether a crowd moves in a plane, from cards. Raises InputError if cards and designs are mixed."""
+    """Return whether all sources are cards, for a crowd in a plane. Raises InputError if they fit no model."""
     cards = [is_card(source) for source in sources]
     if all(cards) and request.model != "space":
         return True
@@ -52,7 +52,7 @@ def is_card(source: Any) -> bool:
 
 
 def _load_designs(request: CrowdRequest, given: Inputs, sources: list[Any]) -> list[Design]:
-    """Load the designs of a crowd. A tilt and a kind of legs are only for a single design."""
+    """Load the designs of a crowd. A tilt and a kind of legs may only be set for a single design."""
     if len(sources) > 1:
         request.check_unset(f"is for one design, not for {len(sources)}", "tilt", "legs")
         return [given.design(source) for source in sources]

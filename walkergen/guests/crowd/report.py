@@ -66,7 +66,7 @@ CONTACT_COLUMNS = (
 
 
 def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
-    """Report of a crowd, written into a folder if there is one."""
+    """Make the report of a crowd, for a folder if there is one."""
     population, statistics = simulated.population, simulated.statistics
     title = crowd_title(population)
     rows = [_contact_row(run, statistics.seconds) for run in simulated.runs]
@@ -96,7 +96,7 @@ def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport
 
 
 def crowd_title(population: Population) -> str:
-    """Name the walkers and the place of the run, as text."""
+    """Return a title that names the walkers and their dish."""
     who = " and ".join(f"{kind.walkers} {kind.name}" for kind in population.kinds)
     return f"{who} in {population.scene.crowd.dish.words}"
 
@@ -114,6 +114,7 @@ def crowd_caption(population: Population) -> str:
 
 
 def _contact_row(run: CrowdRun, seconds: float) -> Contacts:
+    """Return the contacts of a run of `seconds`."""
     return Contacts(
         run.number,
         run.touches,
@@ -192,7 +193,7 @@ def manifest_inputs(request: CrowdRequest, population: Population) -> dict[str, 
 
 
 def folder_name(population: Population) -> str:
-    """Name of a crowd's folder, after its walkers and the dish."""
+    """Return the name of a crowd's folder, after its walkers and its dish."""
     who = "-".join(kind.name for kind in population.kinds)
     count = sum(kind.walkers for kind in population.kinds)
     dish = population.scene.crowd.dish.words.replace(":", "-").replace(",", "-")

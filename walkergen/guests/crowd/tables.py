@@ -32,7 +32,7 @@ CURVE_TABLES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 
 
 def make_tables(statistics: CrowdStatistics) -> list[Table]:
-    """Return the numbers with their errors, shown to people; their course in time, each run, and curves."""
+    """Return tables of the numbers with errors (shown to people), of their course, of each run, and of curves."""
     numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
     rows = [_row(statistics, number) for number in numbers.values()]
     shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
@@ -50,7 +50,7 @@ def make_tables(statistics: CrowdStatistics) -> list[Table]:
 
 
 def facts(statistics: CrowdStatistics) -> dict[str, Any]:
-    """Return the numbers for JSON."""
+    """Return the statistics of a crowd for JSON, without course and curves."""
     rows = [_row(statistics, number) for number in statistics.numbers.values()]
     return {
         "dish": statistics.dish.words,
@@ -73,37 +73,37 @@ def summary_line(statistics: CrowdStatistics) -> str:
 
 
 def _describe_walkers(statistics: CrowdStatistics) -> str:
-    """Describe the number of walkers, and their dish."""
+    """Describe the number of walkers and their dish."""
     return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
 
 
 def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
-    """Return a row of crowd.csv."""
+    """Return the row of a number in crowd.csv."""
     bounds = number.interval() or (None, None)
     chance = statistics.by_chance.get(number.key)
     return number.column, number.value, number.se, *bounds, chance, number.refused
 
 
 def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
-    """Return the columns that are shown, from the quantity that a row's first cell names."""
+    """Return the columns of the table shown to people. The first cell of a row names its quantity."""
     numbers = {number.column: number for number in statistics.numbers.values()}
 
-    def chance(row: Sequence[Any]) -> str:
+    def format_chance(row: Sequence[Any]) -> str:
         number = numbers[row[0]]
         value = statistics.by_chance.get(number.key)
         return "" if value is None or number.value is None else format_number(value)
 
-    return (*quantity_format.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
+    return (*quantity_format.columns(lambda row: numbers[row[0]]), Column("at random", format_chance, right=True))
 
 
 def _curve_tables(statistics: CrowdStatistics) -> Iterator[Table]:
     """Yield the tables of the curves that the crowd has, for CSV and Python alone."""
-    for name, (at, keys) in CURVE_TABLES.items():
+    for name, (position_key, keys) in CURVE_TABLES.items():
         curves = {key: statistics.curves[curve] for curve, key in keys.items() if curve in statistics.curves}
         if not curves:
             continue
         columns = [next(iter(curves.values())).at, *(part for curve in curves.values() for part in curve[1:])]
-        header = [at, *(key for curve in curves for key in (curve, _error_key(curve)))]
+        header = [position_key, *(key for curve in curves for key in (curve, _error_key(curve)))]
         yield Table(name, [tuple(_nan_to_none(row)) for row in zip(*columns, strict=True)], header)
 
 
@@ -116,5 +116,5 @@ def _error_key(key: str) -> str:
 
 
 def _nan_to_none(values: Sequence[np.float64]) -> list[float | None]:
-    """Convert a row's unknown numbers to None."""
+    """Convert a row of numbers to floats, NaN to None."""
     return [None if math.isnan(value) else float(value) for value in values]

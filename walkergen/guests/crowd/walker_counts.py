@@ -44,14 +44,14 @@ def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, 
 
 
 def check_count(count: int, source: str) -> int:
-    """Return a number of walkers. Raises InputError for none or too many."""
+    """Return `count`. Raises InputError if it is below 1 or too large; `source` begins the message."""
     if not 1 <= count <= MAX_WALKERS:
         raise InputError(f"{source}: a crowd has 1 to {MAX_WALKERS} walkers")
     return count
 
 
 def walker_count(scene: Scene, area_mm2: float) -> int:
-    """Return how many walkers of an outline of this area a scene requests. Raises InputError."""
+    """Return the number of walkers that a scene requests, each of this area. Raises InputError."""
     crowd, dish = scene.crowd, scene.crowd.dish
     if crowd.packing is None:
         count = DEFAULT_COUNT if crowd.count is None else crowd.count

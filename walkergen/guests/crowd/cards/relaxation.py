@@ -54,8 +54,7 @@ class Relaxation(NamedTuple):
     deviation: float
     """Standard deviation of the fluctuations at an instant, of each axis."""
     noise: float
-    """Standard deviation of the noise of each place, mm, or heading, rad; 0 where places are
-    exact."""
+    """Standard deviation of the noise of each place, mm, or heading, rad; 0 where places are exact."""
     correlation: Curve
     """Their correlation by lag, of each axis, in the square of their unit."""
 

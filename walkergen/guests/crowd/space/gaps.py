@@ -1,7 +1,8 @@
 """Gaps between bodies seen from above, and between bodies and walls.
 
-`bodies`, `ground` and `planar` are those of `bodies.Crowd`, `i` and `j` numbers of walkers. x and z are coordinates in the
-plane, mm. A body's core is its outline moved inward by a radius. `layer`: 0 at the bottom of both bodies, 1 at the top.
+`bodies`, `ground` and `planar` are those of `bodies.Crowd`, `i` and `j` numbers of walkers. x and z are coordinates in
+the plane, mm. A body's core is its outline moved inward by a radius. `layer`: 0 at the bottom of both bodies, 1 at the
+top.
 """
 
 import math

@@ -1,11 +1,10 @@
 """Bodies of a crowd seen from above, as its contacts see them: rounded polygons at two heights.
 
-A body is upright: its outline over its height. It is kept as a core, the outline moved inward by
-the radius of its corners, so that bodies a radius or less into each other still have a distance,
-and with it a normal (F. Alonso-Marroquin, EPL 83, 14001, 2008). Concave outlines need no parts.
-Where two bodies meet, their outlines are compared at the bottom and at the top of the heights that
-both have, each moved as the body pitches and rolls: upright edges touch by either end.
-Limit: bodies tilt by a few hundredths of a radian; the outline itself is not foreshortened.
+A body is upright: its outline over its height. It is kept as a core, the outline moved inward by the radius of its
+corners, so that bodies a radius or less into each other still have a distance, and with it a normal (F.
+Alonso-Marroquin, EPL 83, 14001, 2008). Concave outlines need no parts. Where two bodies meet, their outlines are
+compared at the bottom and at the top of the heights that both have, each moved as the body pitches and rolls: upright
+edges touch by either end. Limit: bodies tilt by a few hundredths of a radian; the outline itself is not foreshortened.
 """
 
 import math
