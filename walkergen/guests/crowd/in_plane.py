@@ -33,10 +33,7 @@ TESTED_RANGE = (
 def make_population(
     request: CrowdRequest, scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population with `counts` walkers of each card, or of one card with the number in the scene.
-
-    Raises InputError for too many walkers or frames, and for a lid.
-    """
+    """Return a population of `counts` walkers of each card; by default as many as in the scene. Raises InputError."""
     crowd, lid = scene.crowd, scene.arena.lid_mm
     if lid is not None:
         raise InputError(f"arena.lid_mm = {lid:g}: the card fixes the lid. Leave the key out.")

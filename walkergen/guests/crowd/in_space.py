@@ -28,10 +28,7 @@ COMPILE_RUN_S = 1e-6
 def make_population(
     request: CrowdRequest, scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population with `counts` walkers of each design, or of one design with the number in the scene.
-
-    Raises InputError for too many walkers or frames, and the errors of the designs.
-    """
+    """Return a population of `counts` walkers of each design; by default as many as in the scene."""
     kinds = []
     for number, design in enumerate(designs):
         mass = mass_of(design)

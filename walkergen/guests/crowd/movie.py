@@ -128,7 +128,6 @@ def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> D
     canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
 
     def draw(frame: int) -> Pixels:
-        """Draw a frame and return its pixels."""
         x, y = dish_geometry.wrap_places(film.x[frame], film.y[frame], film.dish)
         theta = film.theta[frame]
         faces = paint(theta)
@@ -212,10 +211,7 @@ def _symbol_outline(film: CrowdFilm) -> Array:
 
 
 def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Array, film: CrowdFilm) -> None:
-    """Move the drawings of one kind's walkers that are seen, with images across the edges of a periodic square.
-
-    `x`, `y` (mm), `theta` (rad) and `colours`: of all walkers, one row each.
-    """
+    """Show the walkers of a kind that are seen in a frame, with images in a periodic square. `colours`: (N, 3)."""
     walkers = kind.walkers[np.isfinite(x[kind.walkers])]
     places = np.column_stack([x[walkers], y[walkers]])
     if film.dish.period:
@@ -229,10 +225,7 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Arr
 
 
 def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
-    """Add images of walkers near the edges of a periodic square. Return all places and their walkers' numbers.
-
-    `reach`: largest distance of a walker's corners from its place, mm.
-    """
+    """Add images of walkers across a periodic square's edges. `reach`: largest distance of a corner, mm."""
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
         other = places[over]

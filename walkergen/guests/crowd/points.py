@@ -25,7 +25,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """Return the name of what gives the numbers."""
+    """Return a name for the source of the numbers."""
     return "crowds"
 
 

@@ -103,7 +103,7 @@ def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
 
 
 def check_population(request: CrowdRequest, population: Population) -> None:
-    """Raise InputError if two kinds share a name, speeds may have an error, or frames are too few or many."""
+    """Raise InputError for kinds of one name, a scene that accepts an error, or too few or many frames."""
     names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"‹count›: two designs have the name {max(names, key=names.count)!r}. Rename one.")

@@ -114,7 +114,7 @@ def crowd_caption(population: Population) -> str:
 
 
 def _contact_row(run: CrowdRun, seconds: float) -> Contacts:
-    """Return the contacts of a run of `seconds`."""
+    """Return the row of a run in the table of contacts. `seconds`: length of the run."""
     return Contacts(
         run.number,
         run.touches,

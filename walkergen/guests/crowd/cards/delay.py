@@ -82,10 +82,7 @@ def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxatio
 
 
 def _mean_delay(areas: Array, lost: Array) -> Quantity:
-    """Return the mean delay (s): half the integral of the delay function over the loss of correlation.
-
-    `areas` (mm) and `lost` (mm/s): integral and loss of all samples, then without each sample in turn.
-    """
+    """Return the mean delay (s): half the integral `areas` over the loss `lost`, of all samples and of all but one."""
     error = float(jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
         reason = "headings hardly turn, or there is no speed along them. Film for longer"

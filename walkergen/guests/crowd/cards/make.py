@@ -75,10 +75,7 @@ def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardRep
 
 
 def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
-    """Make the card of a design in a scene from a measured motion.
-
-    Raises InputError if a number that every card needs is unknown.
-    """
+    """Make the card of a design from a measured motion. Raises InputError if a number that it needs is unknown."""
     found = motion.motion.estimates
     needed = {
         "speed_mm_s": ("speed", found["speed"]),

@@ -1,7 +1,8 @@
 """Test whether a model without inertia is enough: a walker's numbers and published criteria.
 
 While its velocity relaxes, a walker turns by an angle and coasts over a part of its length. If both are small, a model
-without velocity lag gives the same positions. Walkers that meet then stop as if they had no mass.
+without velocity lag gives the same positions. Walkers that meet then stop as if they had no mass. `turning`: mean
+turning rate. `rotation`: rotational diffusion. `velocity`: relaxation of the velocity.
 """
 
 import math
@@ -26,10 +27,7 @@ SOURCES = (
 def assess_inertia(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> Overdamped:
-    """Decide whether a model without inertia is enough, from a walker's turn and coasting distance.
-
-    `turning`: mean turning rate. `rotation`: rotational diffusion. `velocity`: relaxation of the velocity.
-    """
+    """Decide whether a model without inertia is enough, from a walker's turn and coasting distance."""
     shares = inertial_shares(speed, turning, rotation, velocity, length_mm)
     reason = "; ".join(map(_format_share, shares))
     verdicts = {share.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for share in shares}
@@ -43,10 +41,7 @@ def assess_inertia(
 def inertial_shares(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> tuple[Quantity, Quantity]:
-    """Compute how far a walker turns (rad) and coasts (in lengths of its body) while its velocity relaxes.
-
-    `turning`: mean turning rate. `rotation`: rotational diffusion. `velocity`: relaxation of the velocity.
-    """
+    """Compute how far a walker turns (rad) and coasts (in its lengths) while its velocity relaxes."""
     time, time_se = velocity.time.number, velocity.time.se or 0.0
     rate = rotation.number + abs(turning.number)
     rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)

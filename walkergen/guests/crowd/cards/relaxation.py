@@ -60,10 +60,7 @@ class Relaxation(NamedTuple):
 
 
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
-    """Measure the velocity's relaxation (mm/s), and the translational diffusion (mm^2/s) of each axis.
-
-    The tracks have headings. The relaxation time is found by iteration.
-    """
+    """Measure the velocity's relaxation and the translational diffusion (mm^2/s) of each axis, by iteration."""
     relaxation_time, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
     relaxation, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
     for _ in range(MAX_ITERATIONS):
@@ -92,10 +89,7 @@ def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]
 
 
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
-    """Measure the relaxation of the velocity along the earlier heading.
-
-    `both`, `diffusion`: relaxation and translational diffusion of both axes, from `measure_velocity`.
-    """
+    """Measure the velocity's relaxation along the earlier heading. `both`, `diffusion`: of `measure_velocity`."""
     rests, ahead = [], []
     for track in tracks.tracks:
         rest, middle = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
@@ -168,10 +162,7 @@ def fit_relaxation(
 def _unresolved_relaxation(
     key: str, mean_square: float, jackknife: Array, diffusion: Quantity, interval: float, curve: Curve
 ) -> Relaxation:
-    """Compute a relaxation shorter than `interval`: that of an Ornstein-Uhlenbeck process with this diffusion.
-
-    `mean_square`: of all fluctuations. `jackknife`: the same without each sample in turn.
-    """
+    """Compute a relaxation shorter than `interval`, from mean squares: of all samples, and without each in turn."""
     assert diffusion.value is not None
     whole = _relaxation_time(mean_square, diffusion.value, interval)
     times = [_relaxation_time(own, diffusion.value, interval) for own in jackknife]
@@ -204,8 +195,7 @@ def _fit_exponentials(
 ) -> list[tuple[float, float]] | None:
     """Fit the height and time (s) of an exponential to each of the correlations; None if one cannot be fitted.
 
-    `correlations`: of all samples, then without each in turn. Fits go from lag number `first` to the lag at which the
-    correlation of all samples has fallen to FIT_CUTOFF.
+    `correlations`: of all samples, then without each. Fits end where that of all has fallen to FIT_CUTOFF.
     """
     whole = correlations[0]
     if not whole[first] > 3.0 * errors[first] > 0.0:
@@ -243,10 +233,7 @@ def _headings(track: Track) -> Array:
 
 
 def _lagged_heading(track: Track, samples: float) -> Complex:
-    """Return the mean over each interval of a unit velocity that relaxes to the heading in `samples` intervals.
-
-    Headings turn steadily between samples, gaps included.
-    """
+    """Return, for each interval, the mean unit velocity that follows the heading within `samples` intervals."""
     heading, count = _headings(track), len(track.position)
     (known,) = np.nonzero(~np.isnan(heading))
     if len(known) < 2:
@@ -259,7 +246,7 @@ def _lagged_heading(track: Track, samples: float) -> Complex:
         MAX_STEPS_PER_SAMPLE,
     )
     at = np.linspace(0.0, count - 1.0, (count - 1) * fine + 1)
-    unit = np.exp(1j * np.interp(at, known, np.unwrap(heading[known])))
+    unit = np.exp(1j * np.interp(at, known, np.unwrap(heading[known])))  # turns steadily, also in gaps
     if samples > 1.0 / MAX_STEPS_PER_SAMPLE:
         kept = math.exp(-1.0 / (fine * samples))
         half = [0.5 * (1.0 - kept)] * 2
@@ -290,11 +277,10 @@ def _residuals_and_headings(track: Track, relaxation_time: float, interval: floa
 
 
 def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, memory: float) -> Quantity:
-    """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of about `size` samples.
+    """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of `size` samples, from `skip` on.
 
     A multiple of the path along the heading is fitted to a walker's displacements in all pieces. The squared rest in a
-    piece of t s is 4 D t on average, less in short pieces as velocities relax within `memory` s. `skip` samples are
-    left out at the start.
+    piece of t s is 4 D t on average, less in short pieces as velocities relax within `memory` s.
     """
     diffusions: list[Array] = []
     for track, velocity in zip(tracks.tracks, followed, strict=True):
@@ -317,10 +303,7 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
 def _piece_displacements(
     track: Track, followed: Complex, skip: int, size: int, interval: float
 ) -> tuple[Complex, Complex, Array]:
-    """Split a track into pieces of about `size` samples, without the first `skip`.
-
-    Returns the displacement (mm) in each piece, that of a walker with the unit velocity `followed`, and the time (s).
-    """
+    """Return, by piece of about `size` samples: displacement (mm), path of the velocity `followed`, and time (s)."""
     place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []
@@ -336,6 +319,5 @@ def _piece_displacements(
 
 
 def _missing_relaxation(key: str, reason: str) -> Relaxation:
-    """Return a relaxation that is refused for a reason."""
     none = np.zeros(0)
     return Relaxation(Quantity(key, "s", None, refused=reason), False, math.nan, 0.0, Curve(none, none, none))

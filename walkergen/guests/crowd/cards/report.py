@@ -134,7 +134,6 @@ def _motion_notes(measured: Measured) -> Iterator[str]:
 
 
 def _draw_card(card: Card, measured: Measured) -> "Figure":
-    """Draw the figure of a card. Only this loads matplotlib."""
     from walkergen.guests.crowd.cards import figures
 
     return figures.draw_card(card, measured)

@@ -87,10 +87,7 @@ def typical_inverse_mass(card: Card) -> float:
 
 
 def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
-    """Compute the contact forces between all kinds and with walls, and the longest step that resolves them.
-
-    `cards`, `motions`, `discs`: one entry for each kind.
-    """
+    """Compute contacts of all kinds and walls, and their time step, from each kind's card, motion and discs."""
     inverses = [typical_inverse_mass(card) for card in cards]
     overlap = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
     speed = max(2.0 * _approach_speed(motion) for motion in motions)

@@ -137,10 +137,7 @@ def _wrap_points(points: Array, period: float) -> Array:
 
 
 def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
-    """Return the centres, shape (A, 2), radii and walkers' numbers of all A discs at the start, mm.
-
-    `shapes`: discs of each kind.
-    """
+    """Return centres (mm), shape (A, 2), radii and walkers' numbers of all discs. `shapes`: discs by kind."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
         walkers = np.flatnonzero(crowd.kinds == kind)

@@ -87,8 +87,7 @@ def inscribed_radius(card: Card) -> float:
 def cover_outline(card: Card, tolerance: float) -> Discs:
     """Choose discs inside a card's outline that leave no point of it farther from them than `tolerance`, mm.
 
-    Tips that need discs below half the tolerance are left out. Greedy: each next disc covers the most points that are
-    still bare.
+    Tips that need discs below half the tolerance are left out. Greedy: each next disc covers the most uncovered points.
     """
     edge = outline_rim(card)
     radii = _inscribed_radii(edge)

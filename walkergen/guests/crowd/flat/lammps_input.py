@@ -220,10 +220,7 @@ def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
 
 
 def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
-    """Return the text of the particle file.
-
-    Each walker has a particle at its centre of mass C, one ahead of it that pushes sideways, and its discs.
-    """
+    """Return the text of the particle file: for each walker, one particle at C, one ahead of C, and discs."""
     count = len(crowd.cards)
     atoms: list[str] = []
     ellipsoids: list[str] = []

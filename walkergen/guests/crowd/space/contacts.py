@@ -168,7 +168,7 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
     """Push bodies i and j (or a wall, j = -1) apart where they touch, or store the energy of the contact.
 
-    The touch is at (x, z) of the plane in i's image. Its normal (n_x, n_z) points from j to i. On i it is the point
+    The touch is at (x, z) of the plane (body i's image). Its normal (n_x, n_z) points from j to i. On i it is the point
     (b_x, y_i, b_z), on j (c_x, y_j, c_z) of their own axes. `depth`: overlap, mm.
     """
     law, book, free, wall = crowd.law, crowd.book, crowd.free, j < 0

@@ -1,8 +1,7 @@
 """Gaps between bodies seen from above, and between bodies and walls.
 
-`bodies`, `ground` and `planar` are those of `bodies.Crowd`, `i` and `j` numbers of walkers. x and z are coordinates in
-the plane, mm. A body's core is its outline moved inward by a radius. `layer`: 0 at the bottom of both bodies, 1 at the
-top.
+`bodies`, `ground` and `planar` are those of `bodies.Crowd`, `i` and `j` numbers of walkers. x, z: coordinates in the
+plane, mm. A body's core is its outline moved inward by a radius. `layer`: 0 for the bottom, 1 for the top of bodies.
 """
 
 import math
@@ -94,10 +93,7 @@ def lean_displacement(bodies, planar, i, j):
 
 @lean
 def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
-    """Return the least gap of the corners of body i from body j, mm, or `least` if that is smaller.
-
-    Above `cutoff` a lower bound of the gap is enough.
-    """
+    """Return the least gap (mm) of body i's corners from body j, at most `least`. Above `cutoff` a bound is enough."""
     own, other = bodies.kind[i], bodies.kind[j]
     height, height_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
     both = bodies.radius[own] + bodies.radius[other]

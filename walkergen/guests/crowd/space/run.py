@@ -32,7 +32,6 @@ MIN_TICKS_PER_TOUCH = 13.0
 """Minimum number of ticks in a touch: the loss in a crowd's contacts is then 1 to 3 % off the restitution's, and
 half of that with double the ticks."""
 
-
 Walkers = list[tuple[World, State]]
 """World and state of each walker."""
 
@@ -123,10 +122,7 @@ def simulate(
     stopped: Callable[[], bool] = lambda: False,
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> CrowdRun:
-    """Simulate one run with `rate_hz` frames a second; `progress` receives the seconds done.
-
-    A run that is `stopped` keeps its frames so far.
-    """
+    """Simulate run `number` with `rate_hz` frames a second, until `stopped`. `progress` receives seconds done."""
     started, run = time.thread_time(), plan.scene.run
     walkers = release_walkers(plan, number)
     crowd, walkers = make_crowd(plan, walkers)
@@ -161,10 +157,7 @@ def simulate(
 
 
 def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
-    """Return world and state of each walker of a run, at rest over its place.
-
-    The random stream of the first walker sets noise and phase of the plate for all.
-    """
+    """Return world and state of each walker, at rest in its place. The first one draws plate noise and phase."""
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):

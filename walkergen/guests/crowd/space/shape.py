@@ -89,10 +89,7 @@ def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, flo
 
 
 def common_heights(shapes: tuple[Shape, ...]) -> Array:
-    """Return the lowest and highest height over C at which kind i meets kind j, mm, (kinds, kinds, 2).
-
-    NaN where standing bodies pass over each other.
-    """
+    """Return the lowest and highest height over C (mm) where kinds meet, (kinds, kinds, 2); NaN if they do not."""
     heights = np.full((len(shapes), len(shapes), 2), math.nan)
     for i, own in enumerate(shapes):
         for j, other in enumerate(shapes):

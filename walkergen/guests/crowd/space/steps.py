@@ -58,10 +58,8 @@ class Plans(NamedTuple):
 NEAR_TICKS = 64.0
 """Ticks at their speed within which the gap of two bodies is worth more than a lower bound."""
 
-
 RECENT_TICKS = 8.0
 """Ticks after which an earlier closing rate of a gap no longer counts."""
-
 
 FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
 """Ticks over which a gap's rate is extrapolated, and the part of a landing's change of velocity within these ticks."""
@@ -117,9 +115,9 @@ def _max_level(ticks, most):
 
 @lean
 def _record_touch(crowd, row, column, count, late):
-    """Record whether walkers `row` and `column` touch (one walker: the walls), and whether a new touch is late.
+    """Record whether walkers `row` and `column` touch (one walker twice: it touches a wall).
 
-    `count`: corners in touch. `late`: whether the overlap is deeper than a tick explains.
+    `count`: number of corners in touch. `late`: whether they overlap deeper than a tick explains.
     """
     touches = 1 if count > 0 else 0
     if touches == 1 and crowd.touching[row, column] == 0:

@@ -44,10 +44,7 @@ def inner_grid(dish: Dish, parts: int) -> Grid:
 
 
 def clipped_grid(dish: Dish, parts: int) -> Grid:
-    """Return square boxes that cover a dish, cut off at its walls, without boxes mostly outside.
-
-    `parts`: number along the shorter side of the dish's bounding rectangle.
-    """
+    """Return square boxes over a dish, cut by walls, without boxes mostly outside. `parts`: as in inner_grid."""
     side = min(dish.box) / parts
     across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
     low = [side * (np.arange(n) - 0.5 * n) for n in across]

@@ -47,16 +47,10 @@ def measure(film: CrowdFilm) -> Clusters:
             continue
         links = touching_pairs(film, frame, seen)
         sizes = cluster_sizes(links, len(seen))
-        own_sizes = np.repeat(sizes, sizes)  # size of each walker's cluster
-        octaves += np.bincount(np.log2(own_sizes).astype(int), minlength=len(octaves)) / len(own_sizes)
+        own = np.repeat(sizes, sizes)  # of each walker's cluster
+        octaves += np.bincount(np.log2(own).astype(int), minlength=len(octaves)) / len(own)
         rows.append(
-            (
-                float(len(sizes)),
-                sizes.max() / len(own_sizes),
-                own_sizes.mean(),
-                (own_sizes == 1).mean(),
-                2.0 * len(links) / len(own_sizes),
-            )
+            (float(len(sizes)), sizes.max() / len(own), own.mean(), (own == 1).mean(), 2.0 * len(links) / len(own))
         )
     number, largest, size, alone, touching = np.array(rows, dtype=float).T
     return Clusters(number, largest, size, alone, touching, octaves / octaves.sum())
@@ -93,10 +87,7 @@ def cluster_sizes(links: Whole, walkers: int) -> Whole:
 def _transform_outlines(
     film: CrowdFilm, kinds: Sequence[str], theta: Array, walkers: Whole, places: Array
 ) -> npt.NDArray[np.object_]:
-    """Return the outlines of `walkers`, each turned by its heading and moved to its row of `places`, mm.
-
-    `walkers`: indices into `kinds` and `theta` (rad), as many as there are places.
-    """
+    """Return outlines of `walkers` (indices into kinds and theta), turned by headings and moved to `places`."""
     shapes = {kind: _union(contours) for kind, contours in film.outlines.items()}
     outlines = np.array([shapes[kinds[walker]] for walker in walkers], dtype=object)
     corners = shapely.get_num_coordinates(outlines)

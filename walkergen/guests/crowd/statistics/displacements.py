@@ -16,10 +16,7 @@ LAG_DIVISOR = 4
 
 
 def speeds(film: CrowdFilm) -> tuple[Array, Array]:
-    """Compute speeds and velocities along the heading between frames, shape (F - 1, N) each, mm/s.
-
-    Both are too small if walkers turn by half a radian or more in an interval.
-    """
+    """Compute speeds and velocities along headings, (F - 1, N) each, mm/s. Turns between frames lower both."""
     x, y = (np.diff(places, axis=0) / film.interval for places in (film.x, film.y))
     heading = 0.5 * (film.theta[1:] + film.theta[:-1])
     ahead: Array = x * np.cos(heading) + y * np.sin(heading)

@@ -37,10 +37,10 @@ class Fluctuations(NamedTuple):
 def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
     """Compute the variance of the number of walkers in boxes, about each box's mean over all times and runs.
 
-    A permanent difference of density, as at a wall, is therefore no fluctuation. The dish holds a fixed number of
-    walkers: in a box with the share p of its area the variance is 1 - p times that in a large dish. It is divided by 1
-    - p. The result is too small by up to the share 1 / runs; with one run by more, unless the run is much longer than
-    the density's correlation time.
+    A permanent difference of density, as at a wall, is therefore no fluctuation. As the dish holds a fixed number of
+    walkers, a box with the share p of its area has 1 - p times the variance in a large dish. This is divided out. The
+    result is too small by up to 1 / runs; with one run by more, unless it is much longer than the density's
+    correlation.
     """
     film = films[0]
     parts = _box_counts(film)

@@ -83,10 +83,7 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
 
 
 def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
-    """Compute the mean number of pairs in each bin of distance if the others were anywhere in the dish.
-
-    `x`, `y`: positions of the walkers in a frame, mm. `edges`: of the bins, mm.
-    """
+    """Compute the pairs in each bin if each walker's neighbours were anywhere in the dish. `x`, `y`: places, mm."""
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * GAUSS_NODES
     middle_x, middle_y = dish_geometry.wrap_places(x, y, film.dish)

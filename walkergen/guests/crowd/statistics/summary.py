@@ -96,10 +96,7 @@ class _Run(NamedTuple):
 
 
 def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
-    """Measure one crowd from its independent runs, of the same walkers in the same dish.
-
-    Raises InputError where there is no run, or where runs differ or are too short.
-    """
+    """Measure one crowd from its independent runs in one dish. Raises InputError if runs differ or are too short."""
     _check_runs(films)
     shortest = min(len(film.times) for film in films)
     films = [film.select_frames(np.arange(shortest)) for film in films]
@@ -262,10 +259,7 @@ def _missing_reason(name: str, film: CrowdFilm) -> str:
 
 
 def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
-    """Return the mean of the runs' curves (positions and values each) with its error.
-
-    NaN where a run has no value. Errors are NaN with one run.
-    """
+    """Return the mean of the runs' curves and its error: NaN where a run has no value, or if there is one run."""
     values = np.stack([values for _, values in curves])
     error = np.full(values.shape[1], math.nan)
     if len(values) > 1:
