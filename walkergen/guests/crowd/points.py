@@ -41,7 +41,7 @@ def statistic_columns(name: str) -> tuple[str, str, str, str]:
 
 
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
-    """Return the pictures of a table: one of each statistic."""
+    """Return the pictures of a table, one for each statistic in `keep`."""
     made = []
     for name in keep:
         value, _, low, high = statistic_columns(name)
@@ -57,9 +57,9 @@ def cost(point: Point) -> float:
 
 
 def evaluate(point: Point) -> Record:
-    """Simulate a crowd as `walkergen crowd` does, on this thread alone, and measure it.
+    """Simulate a crowd as `walkergen crowd` does, on this thread alone, and return its record.
 
-    Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs are missing.
+    Raises InputError if it has no room or too many walkers, and KeyboardInterrupt if runs are missing.
     """
     request = CrowdRequest(threads=1)
     population = in_space.make_population(request, point.scene, [point.design])

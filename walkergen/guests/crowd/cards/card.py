@@ -155,8 +155,8 @@ class Card(Section):
     def propulsion_mm_s(self) -> float:
         """Speed v0 that propulsion alone would give, mm/s.
 
-        Above the mean speed along the heading of a walker that turns, because its velocity lags behind. For active
-        Brownian particles with inertia, whose turning has no memory.
+        It is above the mean speed along the heading if the walker turns, because its velocity lags behind. Valid for
+        active Brownian particles with inertia, whose turning has no memory.
         """
         along, rotation = self.velocity_relaxation_s.number, self.rotational_diffusion_rad2_s.number
         across = along if self.sideways_relaxation_s is None else self.sideways_relaxation_s.number

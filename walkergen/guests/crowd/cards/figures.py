@@ -81,7 +81,7 @@ def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, n
 
 
 def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
-    """Draw the measured delay function, and that of a particle with the card's numbers."""
+    """Draw the delay function as measured, and for a particle with the card's numbers."""
     function = measured.delay.function
     stride = max(len(function.at) // MAX_DELAY_POINTS, 1)
     at, value, se = (part[::stride] for part in function)

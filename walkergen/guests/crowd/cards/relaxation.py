@@ -119,9 +119,9 @@ def fit_relaxation(
 ) -> Relaxation:
     """Fit the relaxation `key` to the correlation of fluctuations, with a jackknife over independent samples.
 
-    `rest`: fluctuations of each track about its mean, averaged over `interval` (s). `axes`: how many they have, 1 or 2.
-    `diffusion`: of each axis. `parts`: components of `rest` to correlate with later `rest`; by default `rest` itself.
-    If positions have noise, neighbouring intervals share it, so the fit starts at the second lag.
+    `rest`: fluctuations of each track about its mean, one for each `interval` (s). `axes`: number of axes of `rest`, 1
+    or 2. `diffusion`: of each axis. `parts`: earlier fluctuations that are correlated with later `rest`; by default
+    `rest`. If positions have noise, neighbouring intervals share it, so the fit starts at the second lag.
     """
     pieces = _independent_samples(rest)
     earlier = pieces if parts is None else _independent_samples(parts)

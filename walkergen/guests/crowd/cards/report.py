@@ -95,7 +95,7 @@ def _table(card: Card, measured: Measured) -> Table:
 
 
 def _missing_reasons(measured: Measured) -> dict[str, str]:
-    """Return why numbers are unknown, or that they are bounds, by the keys of the card."""
+    """Return why numbers are unknown or only bounded, by their keys in the card."""
     found = measured.motion.estimates
     reasons = {
         "delay_s": measured.delay.mean.refused,

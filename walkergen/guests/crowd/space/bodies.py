@@ -135,7 +135,7 @@ class Crowd(NamedTuple):
 
 
 def make_bodies(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
-    """Make the bodies of walkers of these kinds."""
+    """Return the shapes of all kinds as arrays for kernels. `kinds`: index in `shapes` of each walker."""
     first = np.cumsum([0, *(len(shape.corners) for shape in shapes)])
     edges = [shape.edges + start for shape, start in zip(shapes, first, strict=False)]
     return Bodies(

@@ -168,8 +168,8 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
     """Push bodies i and j (or a wall, j = -1) apart where they touch, or store the energy of the contact.
 
-    The touch is at (x, z) of the plane (body i's image). Its normal (n_x, n_z) points from j to i. On i it is the point
-    (b_x, y_i, b_z), on j (c_x, y_j, c_z) of their own axes. `depth`: overlap, mm.
+    The touch is at (x, z) of the plane (body i's image). Its normal (n_x, n_z) points from j to i. In each body's own
+    axes it is the point (b_x, y_i, b_z) of i and (c_x, y_j, c_z) of j. `depth`: overlap, mm.
     """
     law, book, free, wall = crowd.law, crowd.book, crowd.free, j < 0
     moves_i, moves_j = crowd.status[i] == OK, not wall and crowd.status[j] == OK
@@ -237,9 +237,10 @@ FLUSH_DISTANCE_MM = 0.05
 def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
     """Return whether another corner counts the touch of a corner of body i with point (c_x, c_z) of body j.
 
-    Corner on corner is found from either side: the `first` counts it, if each is the other's closest point; else a face
-    is closer to one of them. Faces that end together, turned a little against each other, have a corner on either face:
-    the `first` side's counts.
+    `is_corner`: whether the point is a corner. `end`: that corner of j, or the closest one. A touch of two corners is
+    found from both bodies. It counts for the `first` body if each corner is the other's closest point, else a face is
+    closer. Faces that end together, turned a little against each other, have a corner on either face: the `first`
+    body's counts.
     """
     if is_corner and not first:
         return True

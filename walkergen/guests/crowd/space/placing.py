@@ -76,7 +76,7 @@ def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, cle
 
 
 def find_overlap(outlines: Sequence[Outline], dish: Dish, places: Array) -> int | None:
-    """Find the first walker that overlaps another or a wall. `places`: poses of the origins O. None without any."""
+    """Return the first walker that overlaps another or a wall, or None. `places`: poses of origins O, (N, 3)."""
     shapes, middles = _make_outlines(outlines, 0.0)
     bounds = make_bounds(dish)
     about_middle = _to_origin_poses(places, -middles[shapes.kind])

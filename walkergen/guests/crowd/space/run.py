@@ -248,7 +248,7 @@ def advance(
 
 
 def _energies(walkers: Walkers) -> Array:
-    """Compute each walker's energy without that of its contacts with other bodies, g mm^2/s^2."""
+    """Compute each walker's energy without the energy of contacts with other bodies, g mm^2/s^2."""
     return np.array([energy(*walker) for walker in walkers])
 
 
@@ -260,6 +260,6 @@ def _contact_energy_error(book: Array, gain: float) -> float:
 
 
 def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
-    """Return the outcome of each walker. Those of an `unfinished` run that are well were stopped."""
+    """Return each walker's outcome. Walkers that are well in an `unfinished` run were stopped."""
     well = Outcome.STOPPED if unfinished else Outcome.OK
     return tuple((well if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)

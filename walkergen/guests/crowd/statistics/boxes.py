@@ -73,7 +73,7 @@ def sum_in_boxes(x: Array, y: Array, grid: Grid, weights: Array | None = None) -
 
 
 def _dish_polygon(dish: Dish) -> shapely.Geometry:
-    """Return the dish as a polygon, whose round walls have many corners."""
+    """Return the dish as a polygon of shapely. Round walls have many corners."""
     if dish.kind in ("rectangle", "periodic"):
         half_x, half_y = (0.5 * side for side in dish.box)
         return shapely.box(-half_x, -half_y, half_x, half_y)

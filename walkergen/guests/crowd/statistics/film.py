@@ -77,9 +77,9 @@ def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Out
 
 
 def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> CrowdFilm:
-    """Make a film of tracks on a plane. If there are `contours` (mm), they are the outline of every walker.
+    """Make a film of tracks on a plane. `contours` (mm) are the outline of every walker, if it is known.
 
-    Headings are made continuous; where a track has a gap, a full turn may be missed.
+    Headings are made continuous. Where a track has a gap, a full turn may be missed.
     """
     frames = max(track.start + len(track.position) for track in tracks.tracks)
     places = np.full((frames, len(tracks.tracks), 3), np.nan)

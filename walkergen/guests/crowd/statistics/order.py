@@ -40,5 +40,5 @@ def random_order(walkers: float) -> float:
 
 
 def random_circulation(walkers: float) -> float:
-    """Return the mean |circulation| of N random headings: that of a normal number of variance 1 / (2 N)."""
+    """Return the mean |circulation| of N random headings: 1 / sqrt(pi N), as of a half-normal number."""
     return 1.0 / math.sqrt(math.pi * walkers)

@@ -18,7 +18,7 @@ MAX_PACKING = 1.2
 
 
 def total_packing(film: CrowdFilm) -> Array:
-    """Compute the area of all walkers seen over that of the dish, in each frame, shape (F,)."""
+    """Compute the area of all visible walkers over the area of the dish, in each frame, shape (F,)."""
     seen = np.isfinite(film.x)
     return np.asarray(seen @ film.areas / film.dish.area)
 
