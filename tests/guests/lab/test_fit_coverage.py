@@ -52,7 +52,7 @@ def world():
     scene = templates.load("plane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
     unknown = parameters.list_unknowns(scene, design, "space", "flat", {})
-    ground = emulated_speeds.Ground(scene, "space", unknown)
+    ground = emulated_speeds.FitInputs(scene, "space", unknown)
     settings = [emulated_speeds.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS]
     x = emulated_speeds.sample_parameters(ground, 128)
     y = emulated_speeds.simulate_batches(ground, settings, x, silent, 0)

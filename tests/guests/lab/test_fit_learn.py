@@ -152,7 +152,7 @@ def ground():
     scene = templates.load("lane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
     unknown = parameters.list_unknowns(scene, design, "space", "flat", {})
-    return emulated_speeds.Ground(scene, "space", unknown)
+    return emulated_speeds.FitInputs(scene, "space", unknown)
 
 
 def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_path):
@@ -222,7 +222,7 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
         "5, factor 2",
     ]
     assert flat.parameters == flat.simulated
-    alone = parameters.list_unknowns(scene, design, "prediction", "flat", {}, errors=False)
+    alone = parameters.list_unknowns(scene, design, "prediction", "flat", {}, has_se=False)
     assert alone.parameters[-1].name == "print_scatter"
     everything = dict.fromkeys(parameters.PARAMETER_KEYS, 0.3)
     with pytest.raises(parameters.InputError, match="no parameter is left to fit"):

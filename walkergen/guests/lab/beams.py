@@ -13,10 +13,9 @@ FIRST_MODE = 1.875104068711961**2
 """Square of the first root of cos x cosh x = -1: a cantilever's first mode."""
 
 ROOT_FACTOR, ROOT_FACTOR_SD = 0.42, 0.1
-"""Length that a root in a block of its own material adds to a beam, over its thickness. By plane
-elements, which the tests repeat, 0.42 for blocks 5 to 20 times as thick, held at back or sides; for
-a half-space 16.67 / (12 pi) = 0.44 (O'Donnell, J. Appl. Mech. 27, 461, 1960). The deviation is for
-hands that hold a block."""
+"""Length that a root in a block of its own material adds to a beam, over its thickness. By plane elements, which the
+tests repeat, 0.42 for blocks 5 to 20 times as thick, held at back or sides; for a half-space 16.67 / (12 pi) = 0.44
+(O'Donnell, J. Appl. Mech. 27, 461, 1960). The deviation is for hands that hold a block."""
 
 CLAMP_FACTOR, CLAMP_FACTOR_SD = 0.05, 0.02
 """Apparent shortening of a strip at its clamp, over its width: there it cannot curve across, and is stiffer by 1 /
@@ -43,9 +42,14 @@ class Strip(NamedTuple):
     """Free length, from the block to the end."""
 
 
-def effective_length(length: float, strip: Strip, root: float = ROOT_FACTOR, clamp: float = CLAMP_FACTOR) -> float:
-    """Return the length (mm) of a beam on a rigid root that bends like the first `length` of a strip."""
-    return length + root * strip.thickness - clamp * strip.width
+def effective_length(
+    length: float, strip: Strip, root_factor: float = ROOT_FACTOR, clamp_factor: float = CLAMP_FACTOR
+) -> float:
+    """Return the length (mm) of a beam on a rigid root that bends like the first `length` (mm) of a strip.
+
+    The root adds `root_factor` thicknesses, and the clamp takes off `clamp_factor` widths.
+    """
+    return length + root_factor * strip.thickness - clamp_factor * strip.width
 
 
 def bending_stiffness(modulus: float, strip: Strip) -> float:
@@ -53,49 +57,48 @@ def bending_stiffness(modulus: float, strip: Strip) -> float:
     return modulus * strip.width * strip.thickness**3 / 12.0
 
 
-def deflection(load: float, length: float, bending: float) -> float:
-    """Compute the deflection (mm) under a weight of `load` (g) at `length` (mm) on a rigid root.
+def deflection(load: float, length: float, stiffness: float) -> float:
+    """Compute the deflection (mm) under a weight of `load` (g) at `length` (mm) from a rigid root.
 
-    Valid up to MAX_BEND of the length.
+    `stiffness`: E I, g mm^3/s^2. Valid up to MAX_BEND of the length.
     """
-    bend = load * GRAVITY * length**2 / bending
+    bend = load * GRAVITY * length**2 / stiffness
     return length * bend / (3.0 * (1.0 + BEND_STIFFENS * bend * bend))
 
 
-def natural_frequency(bending: float, mass: float, length: float, tip: float = 0.0) -> float:
-    """Return the first natural frequency (Hz) of a beam of `mass` (g) with a mass `tip` (g) on its end."""
-    mode = first_mode(tip / mass)
-    return mode * math.sqrt(bending / (mass * length**3)) / (2.0 * math.pi)
+def natural_frequency(stiffness: float, mass: float, length: float, tip_mass: float = 0.0) -> float:
+    """Return the first natural frequency (Hz) of a beam with bending stiffness E I and `tip_mass` (g) on its end."""
+    mode = first_mode(tip_mass / mass)
+    return mode * math.sqrt(stiffness / (mass * length**3)) / (2.0 * math.pi)
 
 
 def moving_mass(density: float, strip: Strip) -> float:
     """Compute the moving mass (g) of a strip with a density (g/mm^3): the strip and the air around it.
 
-    Air adds pi / 4 AIR_DENSITY width^2 per length (a flat plate that moves across itself in an ideal
-    fluid), 1 % of a printed line's.
+    Air adds pi / 4 AIR_DENSITY width^2 per length (a flat plate in an ideal fluid), 1 % of a printed line's mass.
     """
     across = density * strip.thickness * strip.width + 0.25 * math.pi * AIR_DENSITY * strip.width**2
     return across * strip.length
 
 
-def first_mode(ratio: float) -> float:
-    """Compute the square of the first root x of a cantilever with `ratio` times its own mass on its tip.
+def first_mode(mass_ratio: float) -> float:
+    """Compute the square of the first root x of the equation below: a cantilever with a mass on its tip.
 
-    1 + cos x cosh x + ratio x (cos x sinh x - sin x cosh x) = 0 (Blevins, Formulas for natural
-    frequency and mode shape, 1979, table 8-8). The rest of the mass counts as a point.
+    1 + cos x cosh x + mass_ratio x (cos x sinh x - sin x cosh x) = 0 (Blevins, Formulas for natural frequency and mode
+    shape, 1979, table 8-8). `mass_ratio`: mass on the tip, a point, over the cantilever's own.
     """
     from scipy.optimize import brentq
 
-    if ratio == 0.0:
+    if mass_ratio == 0.0:
         return FIRST_MODE
 
-    def balance(x: float) -> float:
+    def frequency_equation(x: float) -> float:
         c, s = math.cos(x), math.sin(x)
         ch, sh = math.cosh(x), math.sinh(x)
-        return 1.0 + c * ch + ratio * x * (c * sh - s * ch)
+        return 1.0 + c * ch + mass_ratio * x * (c * sh - s * ch)
 
-    # Rayleigh: x^4 is near 3 / (ratio + 0.24), and the only root below that of the bare beam
-    return float(brentq(balance, 1e-6, math.sqrt(FIRST_MODE), xtol=1e-14)) ** 2
+    # Rayleigh: x^4 is near 3 / (mass_ratio + 0.24), and the only root below that of the bare beam
+    return float(brentq(frequency_equation, 1e-6, math.sqrt(FIRST_MODE), xtol=1e-14)) ** 2
 
 
 def damping_ratio(decrement: float) -> float:

@@ -32,7 +32,7 @@ STEP_RATIO = 0.25
 by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
 
 
-class Let(NamedTuple):
+class Release(NamedTuple):
     """Release of a walker: height of its lowest corner (mm), pitch and roll (rad)."""
 
     height: float
@@ -66,18 +66,18 @@ class Rebounds(NamedTuple):
 
 
 def still_scene(scene: Scene) -> Scene:
-    """Return the scene's contact and feet on an endless level plate at rest."""
+    """Return the scene on an endless, level plate at rest, with the same contact and feet."""
     return without_plate_effects(scene).model_copy(update={"drive": still_plate_drive(scene.drive.frequency)})
 
 
 def make_plan(scene: Scene, design: Design) -> Plan:
-    """Plan a drop of a walker on the scene's plate at rest, with finer steps unless the scene states its step."""
+    """Return a plan to simulate drops on the scene's plate at rest, with finer steps unless the scene sets its step."""
     plan = prepare(still_scene(scene), design, mass_of(design))
     return plan if scene.run.step_us is not None else plan.coarser(STEP_RATIO)
 
 
 def with_contact(scene: Scene, **contact: float) -> Scene:
-    """Return the scene with other values in its [contact]."""
+    """Return the scene with these keys of its [contact] replaced, such as `restitution`."""
     return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
 
 
@@ -91,49 +91,51 @@ def check_one_material(design: Design) -> None:
         )
 
 
-def simulate_drop(plan: Plan, let: Let) -> Rebound:
-    """Simulate one drop and return its rebound."""
-    plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, let.number]))
-    standing = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
-    state = plan.initial_state(let.height, let.pitch, 0.0, let.roll)
-    first = state[HEIGHT] - standing
-    seconds = drop_seconds(first)
+def simulate_drop(plan: Plan, release: Release) -> Rebound:
+    """Simulate one drop, of the print with the release's number, and return its rebound."""
+    plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, release.number]))
+    rest_height = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
+    state = plan.initial_state(release.height, release.pitch, 0.0, release.roll)
+    drop_height = state[HEIGHT] - rest_height
+    seconds = drop_seconds(drop_height)
     tally = record.new_tally(HEIGHT + 1, seconds, seconds / POSES_PER_DROP)
     fell = plan.advance(state, seconds, tally) != OK
     samples = tally.samples
-    heights = samples.rows[: samples.cursor[0], 1 + HEIGHT] - standing
+    heights = samples.rows[: samples.cursor[0], 1 + HEIGHT] - rest_height
     rising = np.flatnonzero(np.diff(heights) > 0.0)
     if not len(rising):
         return Rebound(None if fell else 0.0, fell)
-    second = float(heights[rising[0] :].max())
-    return Rebound(math.sqrt(max(second, 0.0) / first), fell)
+    rebound_height = float(heights[rising[0] :].max())
+    return Rebound(math.sqrt(max(rebound_height, 0.0) / drop_height), fell)
 
 
-def hand_drops(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:
-    """Draw drops from the hand, each of a different print, with normal pitch and roll of deviation `turn_deg`."""
-    turns = np.random.default_rng([seed, 0]).normal(0.0, math.radians(turn_deg), (drops, 2))
-    return [Let(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(turns)]
+def hand_drops(height: float, sd_deg: float, drops: int, seed: int) -> list[Release]:
+    """Draw releases by hand from `height` (mm), each of another print, with random pitch and roll of sd `sd_deg`."""
+    angles = np.random.default_rng([seed, 0]).normal(0.0, math.radians(sd_deg), (drops, 2))
+    return [Release(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(angles)]
 
 
 def drop_seconds(height: float) -> float:
-    """Compute the time (s) of a perfect bounce from the release, and a little more."""
+    """Compute the time (s) to simulate: fall from `height` (mm), rebound to the same height, and a little more."""
     # Contacts take 0.1 ms
     return 2.1 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY) + 2e-3
 
 
-def simulate_drops(plan: Plan, hand: Sequence[Let]) -> Rebounds:
-    """Simulate drops of a plan's walker from one height, flat and from the hand."""
-    flat = Let(hand[0].height)
-    lets = [flat, *hand]
-    level, *others = batch.run_all(lambda number, stopped, tell: simulate_drop(plan, lets[number]), len(lets))
+def simulate_drops(plan: Plan, hand: Sequence[Release]) -> Rebounds:
+    """Simulate the releases by hand in `hand`, and a flat one from their height, and summarise the rebounds."""
+    flat = Release(hand[0].height)
+    releases = [flat, *hand]
+    level, *others = batch.run_all(lambda index, stopped, tell: simulate_drop(plan, releases[index]), len(releases))
     ratios = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
     sd = float(ratios.std(ddof=1)) if len(ratios) > 1 else 0.0
     mean = float(ratios.mean()) if len(ratios) else None
     return Rebounds(level.ratio, mean, sd, len(ratios), sum(bounce.fell for bounce in others))
 
 
-def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
-    """Simulate drops of a walker at each of RESTITUTIONS, flat and from the hand."""
+def rebounds_by_restitution(
+    scene: Scene, design: Design, hand: Sequence[Release], progress: Progress
+) -> list[Rebounds]:
+    """Return the rebounds with each of RESTITUTIONS as the feet's restitution, by hand as in `hand` and flat."""
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
@@ -143,7 +145,10 @@ def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Let], p
 
 
 def rebound_curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
-    """Return the curve from RESTITUTIONS to the rebound, flat or from the hand; None with fewer than two points."""
+    """Return the curve of the rebound against RESTITUTIONS, a row each, or None with fewer than two points.
+
+    `flat`: take the rebound of the flat drop, otherwise the mean of the drops by hand.
+    """
     points = [
         (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)
         for e, row in zip(RESTITUTIONS, rows, strict=True)

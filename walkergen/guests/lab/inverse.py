@@ -53,52 +53,55 @@ class Answer(NamedTuple):
     """True if the whole curve agrees, so that the test determines nothing."""
 
     def number(self, key: str) -> Quantity:
-        """Return the only range that agrees, with half its width as the error; refused if there is not exactly one."""
+        """Return the best value, with half its range's width as error, or a reason unless exactly one range agrees."""
         if self.everywhere or len(self.branches) != 1:
             return Quantity(key, "", None, refused=self.text)
         (branch,) = self.branches
         return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
 
 
-def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
-    """Find the values of `what` that explain a measured number. `where` qualifies the text if there are none.
+def invert(curve: Curve, measured: Measured, name: str, condition: str = "") -> Answer:
+    """Find the ranges of the curve's parameter that explain a measured number.
 
     Between its points the curve is cubic and monotone. The number's error and the scatter of real and simulated tries
-    add in quadrature. A branch ends at a distance of one error.
+    add in quadrature. A range ends at a distance of one error. The text of the answer contains the parameter's `name`
+    and the `condition` of the measurement.
     """
     from scipy.interpolate import PchipInterpolator
 
-    value, sd = seen.number.pair
+    value, sd = measured.number.pair
     at = np.linspace(curve.at[0], curve.at[-1], CURVE_POINTS)
-    shown = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
+    predicted = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
     spread = np.interp(at, curve.at, curve.spread)
-    scatter = spread * np.sqrt(1.0 / seen.tries + 1.0 / np.interp(at, curve.at, curve.tries))
-    away = (shown - value) / np.hypot(sd, scatter)
-    inside = np.abs(away) <= 1.0
+    scatter = spread * np.sqrt(1.0 / measured.tries + 1.0 / np.interp(at, curve.at, curve.tries))
+    deviations = (predicted - value) / np.hypot(sd, scatter)
+    inside = np.abs(deviations) <= 1.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     branches = []
     for first, past in edges.reshape(-1, 2):
-        best = first + int(np.argmin(np.abs(away[first:past])))
+        best = first + int(np.argmin(np.abs(deviations[first:past])))
         branches.append(Branch(float(at[best]), float(at[first]), float(at[past - 1])))
     ends = float(curve.at[0]), float(curve.at[-1])
     if inside.all():
-        text = f"any {what} from {ends[0]:g} to {ends[1]:g} explains it{where}: this measurement does not determine it"
+        text = (
+            f"any {name} from {ends[0]:g} to {ends[1]:g} explains it{condition}: this measurement does not determine it"
+        )
         return Answer(text, branches, everywhere=True)
     if branches:
-        return Answer(f"{what} " + ", or ".join(_format_branch(branch, ends) for branch in branches), branches)
-    best = int(np.argmin(np.abs(away)))
-    misses = float(abs(away[best]))
+        return Answer(f"{name} " + ", or ".join(_format_branch(branch, ends) for branch in branches), branches)
+    best = int(np.argmin(np.abs(deviations)))
+    misses = float(abs(deviations[best]))
     within = "" if misses > MAX_ERRORS_AWAY else " within one error"
     return Answer(
-        f"no {what} explains it{within}{where}: the nearest is {shown[best]:.2f} at {at[best]:.2f}, "
+        f"no {name} explains it{within}{condition}: the nearest is {predicted[best]:.2f} at {at[best]:.2f}, "
         f"{misses:.1f} errors away",
         branches,
     )
 
 
 def _format_branch(branch: Branch, ends: tuple[float, float]) -> str:
-    """Format a range of a curve with these ends."""
-    cut = [f"{end:g}" for end, own in zip(ends, branch[1:], strict=True) if own == end]
+    """Format a range: best value, errors, and the ends of the curve, `ends`, that cut it off."""
+    cut = [f"{end:g}" for end, bound in zip(ends, branch[1:], strict=True) if bound == end]
     up, down = branch.high - branch.value, branch.value - branch.low
     digits = error_digits(max(up, down))
     text = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"

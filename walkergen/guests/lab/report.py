@@ -39,8 +39,8 @@ def write_report(
 ) -> R:
     """Write a report with the choices behind it into its folder, and return it.
 
-    With a comment, write also the updated scene and, if it changed, the updated design, with all keys or only those
-    that are set.
+    `setup` is the design and scene before the update, `choices` the other settings for the manifest. With a comment,
+    write also the updated scene and, if it changed, design, with `all_keys` or only those that are set.
     """
     assert report.folder is not None
     with Folder(report.folder) as target:
@@ -54,6 +54,6 @@ def write_report(
     return report
 
 
-def name_after(original: str, path: Path, word: str = "") -> str:
-    """Name a design or scene after the file of its measurements, unlike any template."""
-    return f"{original[:30]}-{word}{output.safe_folder_name(path)[:28]}"
+def name_after(original: str, path: Path, prefix: str = "") -> str:
+    """Return a new name for a design or scene: its original name, a prefix, and the name of the measurements' file."""
+    return f"{original[:30]}-{prefix}{output.safe_folder_name(path)[:28]}"

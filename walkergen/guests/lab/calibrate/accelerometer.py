@@ -73,7 +73,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
-    """Find the column of times, and its unit: of several, the elapsed seconds."""
+    """Return the column of times and its unit, such as ms. Of several, take the elapsed seconds."""
     found = {name: match for name in names if (match := TIME_PATTERN.fullmatch(name.strip()))}
     if not found:
         raise InputError(f"{path}: no column of times, as 'Time (s)'; columns seen: {_format_names(names)}")
@@ -82,7 +82,7 @@ def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
 
 
 def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, float]:
-    """Return the columns of three axes, with gravity if possible, whether they exclude it, and mm/s^2 of their unit."""
+    """Return the columns of x, y and z, with gravity if possible, whether they lack it, and the factor to mm/s^2."""
     found = [(name, match) for name in names if (match := AXIS_PATTERN.fullmatch(name.strip()))]
     for linear in (False, True):
         own = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}
@@ -97,7 +97,7 @@ def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, f
 
 
 def _find_rate_columns(names: list[str]) -> tuple[list[str], float]:
-    """Return the columns of a gyroscope's three axes, or none unless all are there, and rad/s of their unit."""
+    """Return the columns of a gyroscope's x, y and z, or none unless all exist, and the factor to rad/s."""
     found = {
         match["axis"].lower(): (name, match["unit"])
         for name in names

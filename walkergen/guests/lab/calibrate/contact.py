@@ -131,13 +131,16 @@ def stated_rebound(request: CalibrateFields) -> Rebound:
 
 
 def _drop_scatter(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
-    """Compute the standard deviation from drop to drop at all heights, beyond that of the clock."""
+    """Compute the standard deviation of the rebound from drop to drop, beyond the error of the clock.
+
+    `seconds` and `ratios`: mean time of flight and rebound of each of `flights`, shape (n,).
+    """
     tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
     within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
     clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2
-    freedoms = int(tries.sum()) - 1
-    if not freedoms:
+    dof = int(tries.sum()) - 1
+    if not dof:
         return 0.0
-    middle = tries @ ratios / tries.sum()
-    squares = (within * per_second**2 + tries * (ratios - middle) ** 2).sum()
-    return math.sqrt(max(squares / freedoms - tries @ clock / tries.sum(), 0.0))
+    mean = tries @ ratios / tries.sum()
+    squares = (within * per_second**2 + tries * (ratios - mean) ** 2).sum()
+    return math.sqrt(max(squares / dof - tries @ clock / tries.sum(), 0.0))

@@ -1,4 +1,4 @@
-"""Estimate: a number that readings tell, how well they agree on it, and the keys that it sets."""
+"""Estimates: numbers from readings, how well the readings agree, and the keys that they set."""
 
 import math
 from collections.abc import Sequence
@@ -66,7 +66,7 @@ class Single(NamedTuple):
 
 
 def weighted_mean(name: str, singles: Sequence[Single], sets: tuple[str, ...]) -> Estimate | None:
-    """Return the mean of single numbers, weighted by their errors; None without any.
+    """Return the mean of single numbers, weighted by their errors, or None without any. `sets`: keys that it sets.
 
     Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge).
     """

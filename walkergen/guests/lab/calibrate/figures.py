@@ -25,7 +25,7 @@ METHOD_OFFSET = 0.008
 
 @style()
 def draw_strips(bent: Bent, title: str) -> Figure:
-    """Draw the modulus against thickness: creep parts the methods, a wrong caliper the strips."""
+    """Draw the modulus by each strip and method against thickness, and the fitted modulus."""
     figure, axes = new_axes(title)
     fit = bent.fit
     modulus, sd = fit.number.pair
@@ -36,12 +36,12 @@ def draw_strips(bent: Bent, title: str) -> Figure:
     )
     thicknesses = {point.strip: point.thickness.pair[0] for point in bent.points}
     step = METHOD_OFFSET * max(thicknesses.values())
-    for method, (look, hollow, side, words) in METHOD_LOOKS.items():
-        own = [point for point in bent.points if point.method == method]
-        if own:
-            at = np.array([thicknesses[point.strip] for point in own]) + side * step
-            values, errors = np.array([point.modulus.pair for point in own]).T
-            draw_points(axes, (at, values, errors), look, words, hollow)
+    for method, (look, hollow, side, label) in METHOD_LOOKS.items():
+        points = [point for point in bent.points if point.method == method]
+        if points:
+            at = np.array([thicknesses[point.strip] for point in points]) + side * step
+            values, errors = np.array([point.modulus.pair for point in points]).T
+            draw_points(axes, (at, values, errors), look, label, hollow)
     for strip, thickness in thicknesses.items():
         axes.annotate(
             strip.replace("_", " "),

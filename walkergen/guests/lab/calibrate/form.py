@@ -131,7 +131,7 @@ def empty_form(air: Mapping[str, float]) -> str:
 
 
 def is_filled(path: Path) -> bool:
-    """Return whether a path holds work to keep: anything that is not byte for byte a `empty_form`."""
+    """Return whether a file exists that differs from every empty form, so that it must not be overwritten."""
     if not os.path.lexists(path):
         return False
     try:
@@ -142,7 +142,7 @@ def is_filled(path: Path) -> bool:
 
 
 def write_empty_form(path: Path, air: Mapping[str, float]) -> bool:
-    """Write the empty form unless a person filled it in; return whether it was written. Raises OutputError."""
+    """Write the `empty_form` unless a person filled one in, and return whether it was written. Raises OutputError."""
     if is_filled(path):
         return False
     output.write(path, empty_form(air).encode())
@@ -152,9 +152,8 @@ def write_empty_form(path: Path, air: Mapping[str, float]) -> bool:
 def read_form(path: Path) -> Readings:
     """Read a filled form; rows without a reading are left out.
 
-    Tries under one condition are averaged: the error of their mean is the larger of the stated
-    error and their scatter, over the root of their number. Raises InputError, a line for every
-    mistake.
+    Tries under one condition are averaged: the error of their mean is the larger of the stated error and their scatter,
+    over the root of their number. Raises InputError, a line for every mistake.
     """
     rows = _read_rows(path)
     if len(rows) > MAX_ROWS:
@@ -180,7 +179,7 @@ def read_form(path: Path) -> Readings:
 
 
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """Read the rows with their lines, cells by column. Raises InputError for other columns."""
+    """Return the rows as line number and cells by column. Raises InputError for other columns."""
     table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     remedy = ": start from the form that walkergen calibrate plate writes"
     columns.check_names(table.names, path, HEADER, (TRACKS_COLUMN,), remedy)
@@ -204,7 +203,7 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
         raise InputError(f"{name} has no column {TRACKS_COLUMN}: leave it blank")
     if name == FILMED_ANGLE and not film:
         raise InputError(f"{name} needs the column {TRACKS_COLUMN}: the tracks.csv of the slide's film")
-    value, what = _parse_number("reading", row["reading"], 1e5, zero=True), "reading"
+    value, what = _parse_number("reading", row["reading"], 1e5, allow_zero=True), "reading"
     differs = "unloaded_mm" in kind.needs
     if differs:
         value, what = abs(value - conditions["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
@@ -221,24 +220,25 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
 
 
 def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
-    """Read the number that belongs to a reading; 0 if it has none. Raises InputError."""
+    """Parse the cell of a reading in one of CONDITION_COLUMNS, or return 0 if it is blank. Raises InputError."""
     if cell and column not in kind.needs + kind.may:
         raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
     if not cell and column in kind.needs:
         raise InputError(f"{name} needs {column} as well")
-    return _parse_number(column, cell, 1e5, zero=True) if cell else 0.0
+    return _parse_number(column, cell, 1e5, allow_zero=True) if cell else 0.0
 
 
-def _parse_number(what: str, cell: str, most: float, zero: bool = False) -> float:
+def _parse_number(what: str, cell: str, most: float, allow_zero: bool = False) -> float:
+    """Parse a cell of at most `most`, called `what` in messages. `allow_zero`: else it must be MIN_ERROR or more."""
     value = formatting.parse_number(cell)
-    least = 0.0 if zero else MIN_ERROR
+    least = 0.0 if allow_zero else MIN_ERROR
     if value is None or not least <= value <= most:
         raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")
     return value
 
 
 def _mean_reading(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
-    """Average tries (value, error), weighted by their stated errors where these differ."""
+    """Average tries (value, error), weighted by their stated errors where these differ. `film`: its tracks, if any."""
     values, errors = np.array(pairs).T
     weights = errors**-2 / (errors**-2).sum()
     stated = float((errors**-2).sum() ** -0.5)

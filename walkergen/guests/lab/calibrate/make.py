@@ -30,9 +30,8 @@ FELL_OVER_REASON = "nearly all simulated drops fell over. Drop the walker from l
 def calibrate_form(request: CalibrateFields, setup: Setup, folder: Path, progress: Progress) -> LabReport:
     """Estimate material and contact from a filled form, and write the results.
 
-    Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf,
-    manifest.json. A drop test simulates drops of the walker. Raises InputError, before anything is
-    written, for unusable readings.
+    Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf, manifest.json. A drop test
+    simulates drops of the walker. Raises InputError, before anything is written, for unusable readings.
     """
     path = Path(request.what)
     readings = form.read_form(path)
@@ -69,15 +68,15 @@ def calibrate_drop(request: CalibrateFields, setup: Setup, folder: Path, progres
     Writes calibration.csv and .md, manifest.json and, if the restitution is determined, scene.toml. Raises InputError
     without a rebound, and when the walker falls over in nearly all drops.
     """
-    seen = contact.stated_rebound(request)
-    drop = _invert_rebound(seen, setup, request, progress)
+    rebound = contact.stated_rebound(request)
+    drop = _invert_rebound(rebound, setup, request, progress)
     if drop is None:
         raise InputError(f"‹height_mm=›{request.height_mm:g}: {FELL_OVER_REASON}")
-    found = _restitution(seen, drop)
+    found = _restitution(rebound, drop)
     measured = setup._replace(scene=_apply_settings(found, setup, Path("drop")).scene) if found else setup
     title = f"Drop of {setup.design.name}, {setup.design.tilt_deg:g} deg, {setup.design.kind} legs"
-    notes = _drop_notes(seen, drop)
-    made = report.make_report([seen.estimate, *found], None, drop, notes, measured, title, folder)
+    notes = _drop_notes(rebound, drop)
+    made = report.make_report([rebound.estimate, *found], None, drop, notes, measured, title, folder)
     names = ("measured", "measured_sd", "tries", "height_mm", "roll_deg", "drops")
     choices = {"settings": made.settings, **{name: getattr(request, name) for name in names}}
     return write_report(made, setup, choices, request.pictures, "Measured: the rebound of a drop" if found else "")
@@ -86,7 +85,7 @@ def calibrate_drop(request: CalibrateFields, setup: Setup, folder: Path, progres
 def _fit_modulus(
     strips: Sequence[specimens.Specimen], measured: Estimate | None, design: Design, method: str, notes: list[str]
 ) -> Bent:
-    """Fit the modulus of the strips, with the design's density unless measured. Adds to `notes`."""
+    """Fit the modulus of the strips by a method, with the density `measured` or else the design's. Adds to `notes`."""
     material = design.material
     drawn = material.density_g_cm3
     density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
@@ -100,25 +99,25 @@ def _fit_modulus(
     return Bent(fit, points, method, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
 
 
-def _invert_rebound(seen: Rebound, setup: Setup, request: CalibrateFields, progress: Progress) -> Answer | None:
+def _invert_rebound(rebound: Rebound, setup: Setup, request: CalibrateFields, progress: Progress) -> Answer | None:
     """Find the feet's restitution for a rebound from simulated drops; None if the walker nearly always fell over."""
     scene, design = setup.scene, setup.design
     drops.check_one_material(design)
-    hand = drops.hand_drops(seen.height, request.roll_deg, request.drops, scene.run.seed)
+    hand = drops.hand_drops(rebound.height, request.roll_deg, request.drops, scene.run.seed)
     rows = drops.rebounds_by_restitution(scene, design, hand, progress)
     curve = drops.rebound_curve(rows, flat=request.roll_deg == 0.0)
     if curve is None:
         return None
     # A hand may be less steady than the simulated one
-    curve = curve._replace(spread=np.maximum(curve.spread, seen.spread))
-    return inverse.invert(curve, seen.measured, "restitution", f" at {design.tilt_deg:g} deg")
+    curve = curve._replace(spread=np.maximum(curve.spread, rebound.spread))
+    return inverse.invert(curve, rebound.measured, "restitution", f" at {design.tilt_deg:g} deg")
 
 
-def _restitution(seen: Rebound, drop: Answer) -> list[Estimate]:
-    """Return the feet's restitution, or nothing unless exactly one range of it agrees with the drops."""
+def _restitution(rebound: Rebound, drop: Answer) -> list[Estimate]:
+    """Return the estimate of the feet's restitution, or an empty list unless the drop gives exactly one range."""
     number = drop.number("restitution")
     sets = ("scene.contact.restitution", "scene.contact.restitution_sd")
-    tries = seen.measured.tries
+    tries = rebound.measured.tries
     return [Estimate("restitution of the feet", number, tries, sets=sets)] if number.known else []
 
 

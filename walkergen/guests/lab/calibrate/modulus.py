@@ -51,8 +51,7 @@ MIN_SINGULAR_RATIO = 1e-7
 """Least singular value of the slopes, over the largest, below which readings leave numbers open."""
 
 FIT_ROUNDS = 2
-"""Number of fits, one after the other: errors that grow with a deflection are those of the fit
-before."""
+"""Number of fits, one after the other: errors that grow with a deflection are those of the fit before."""
 
 
 class Point(NamedTuple):
@@ -86,7 +85,7 @@ class Bent(NamedTuple):
 
 
 def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
-    """Fit the modulus of strips, at least one of them with readings.
+    """Fit the modulus of strips, at least one of them with readings. `density`: of the strips, g/cm^3.
 
     Where strips disagree, the error grows by the root of chi2 over dof. Raises InputError for a modulus outside the
     range of plastics.
@@ -120,8 +119,7 @@ def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]
 def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
     """Compute the excess, in percent, of the modulus from the ring over that from weights.
 
-    Plastic that creeps while a weight hangs makes it positive. None without both, and where the
-    readings leave it open.
+    Plastic that creeps while a weight hangs makes it positive. None without both, and where the readings leave it open.
     """
     if not (select_method(strips, BEND_METHOD) and select_method(strips, RING_METHOD)):
         return None
@@ -145,86 +143,94 @@ def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity 
 
 
 def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str]) -> tuple[list[Quantity], float, int]:
-    """Fit the modulus, and `extras`: RING_METHOD (excess of its logarithm there) and OFFSET_NAME (mm).
+    """Fit the modulus, and the numbers named in `extras`, to all readings of the strips.
 
-    Returns these with their errors, the minimum sum of squares, and its degrees of freedom. All sizes, the density,
-    root, clamp and air are free too, in units of their errors.
+    RING_METHOD is the logarithm of the ring's modulus over that of the weights, OFFSET_NAME a length (mm) on every
+    thickness. Returns modulus and extras with errors, chi2, and its degrees of freedom. All sizes, the density, root,
+    clamp and air are free too, in units of their errors.
     """
     from scipy.optimize import least_squares
 
-    own = 1 + len(extras)
-    at = np.zeros(own + SHARED_PARAMETERS + 3 * len(strips))
-    at[0] = math.log(np.median([single.modulus for single in rough_moduli(strips, density)]))
-    sunk = np.array([bend.number.pair[0] for strip in strips for bend in strip.bends])
-    heard = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
-    spread = _deflection_errors(strips, sunk)
+    count = 1 + len(extras)
+    parameters = np.zeros(count + SHARED_PARAMETERS + 3 * len(strips))
+    parameters[0] = math.log(np.median([single.modulus for single in rough_moduli(strips, density)]))
+    deflections = np.array([bend.number.pair[0] for strip in strips for bend in strip.bends])
+    frequencies = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
+    errors_mm = _deflection_errors(strips, deflections)
     for _ in range(FIT_ROUNDS):
 
-        def misses(at: Array, spread: Array = spread) -> Array:
-            bends, rings = _predict_readings(strips, density, at, extras)
-            return np.concatenate([(bends - sunk) / spread, (rings - heard[:, 0]) / heard[:, 1], at[own:]])
+        def residuals(parameters: Array, errors_mm: Array = errors_mm) -> Array:
+            bends, rings = _predict_readings(strips, density, parameters, extras)
+            return np.concatenate(
+                [(bends - deflections) / errors_mm, (rings - frequencies[:, 0]) / frequencies[:, 1], parameters[count:]]
+            )
 
-        solution = least_squares(misses, at, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-        at = solution.x
-        spread = _deflection_errors(strips, _predict_readings(strips, density, at, extras)[0])
-    across = np.linalg.pinv(solution.jac)  # its product is the covariance
-    errors = np.sqrt((across**2).sum(axis=1)[:own])
-    if np.linalg.matrix_rank(solution.jac, rtol=MIN_SINGULAR_RATIO) < len(at):
+        solution = least_squares(residuals, parameters, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        parameters = solution.x
+        errors_mm = _deflection_errors(strips, _predict_readings(strips, density, parameters, extras)[0])
+    inverse = np.linalg.pinv(solution.jac)  # its product is the covariance
+    errors = np.sqrt((inverse**2).sum(axis=1)[:count])
+    if np.linalg.matrix_rank(solution.jac, rtol=MIN_SINGULAR_RATIO) < len(parameters):
         errors[1:] = math.inf
-    modulus = math.exp(at[0])
+    modulus = math.exp(parameters[0])
     numbers = [Quantity("youngs_modulus", "gpa", modulus, modulus * float(errors[0]))]
-    for name, value, error in zip(extras, at[1:own], errors[1:], strict=True):
+    for name, value, error in zip(extras, parameters[1:count], errors[1:], strict=True):
         numbers.append(Quantity(name, "", float(value), float(error)))
-    return numbers, float(2.0 * solution.cost), len(solution.fun) - len(at)
+    return numbers, float(2.0 * solution.cost), len(solution.fun) - len(parameters)
 
 
 def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
-    """Return the modulus from each reading alone."""
-    at = np.zeros(1 + SHARED_PARAMETERS + 3 * len(strips))
+    """Return the modulus from each reading alone, without the corrections of the fit."""
+    parameters = np.zeros(1 + SHARED_PARAMETERS + 3 * len(strips))
     roughs = []
     for strip in strips:
         for bend in strip.bends:
             sizes = [strip.sizes[name].pair[0] for name in SIZE_READINGS]
-            stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.number.pair[0])
-            roughs.append(Rough(strip.name, BEND_METHOD, stiff / beams.bending_stiffness(PA_PER_GPA, Strip(*sizes))))
-        heard = _predict_readings([strip._replace(bends=())], density, at, ())[1]
+            bending = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.number.pair[0])
+            roughs.append(Rough(strip.name, BEND_METHOD, bending / beams.bending_stiffness(PA_PER_GPA, Strip(*sizes))))
+        frequencies = _predict_readings([strip._replace(bends=())], density, parameters, ())[1]
         roughs += [
             Rough(strip.name, RING_METHOD, (ring.number.pair[0] / hertz) ** 2)
-            for ring, hertz in zip(strip.rings, heard, strict=True)
+            for ring, hertz in zip(strip.rings, frequencies, strict=True)
         ]
     return roughs
 
 
-def _deflection_errors(strips: Sequence[Specimen], sunk: Array) -> Array:
-    """Return the errors of deflections, mm, from the readings, the weights and their positions."""
+def _deflection_errors(strips: Sequence[Specimen], deflections: Array) -> Array:
+    """Return the errors (mm) of deflections, shape (n,), by the readings, the weights and their positions."""
     bends = [bend for strip in strips for bend in strip.bends]
     reading = np.array([bend.number.pair[1] for bend in bends])
-    place = np.array([3.0 * POSITION_SD_MM / bend.at_mm for bend in bends])
-    errors: Array = np.sqrt(reading**2 + sunk**2 * (WEIGHT_SD**2 + place**2))
+    position = np.array([3.0 * POSITION_SD_MM / bend.at_mm for bend in bends])
+    errors: Array = np.sqrt(reading**2 + deflections**2 * (WEIGHT_SD**2 + position**2))
     return errors
 
 
 def _predict_readings(
-    strips: Sequence[Specimen], density: Quantity, at: Array, extras: Sequence[str]
+    strips: Sequence[Specimen], density: Quantity, parameters: Array, extras: Sequence[str]
 ) -> tuple[Array, Array]:
-    """Return deflections (mm) and frequencies (Hz) of strips for the parameters `at` of the search."""
+    """Return deflections (mm) and frequencies (Hz) of strips.
 
-    def perturb(number: Quantity, by: float) -> float:
+    `parameters`: logarithm of the modulus, values of `extras`, then the deviations of shared inputs and of the sizes of
+    each strip, in their errors.
+    """
+
+    def perturb(number: Quantity, deviations: float) -> float:
+        """Return the number moved by so many of its errors."""
         value, sd = number.pair
-        return value + sd * by
+        return value + sd * deviations
 
-    own = 1 + len(extras)
-    free = dict(zip(extras, at[1:own], strict=True))
-    slow = PA_PER_GPA * math.exp(at[0])
-    fast = slow * math.exp(free.get(RING_METHOD, 0.0))
-    heavy = G_MM3_PER_G_CM3 * perturb(density, at[own])
-    root = beams.ROOT_FACTOR + beams.ROOT_FACTOR_SD * at[own + 1]
-    clamp = beams.CLAMP_FACTOR + beams.CLAMP_FACTOR_SD * at[own + 2]
+    count = 1 + len(extras)
+    extra_values = dict(zip(extras, parameters[1:count], strict=True))
+    slow = PA_PER_GPA * math.exp(parameters[0])
+    fast = slow * math.exp(extra_values.get(RING_METHOD, 0.0))
+    heavy = G_MM3_PER_G_CM3 * perturb(density, parameters[count])
+    root = beams.ROOT_FACTOR + beams.ROOT_FACTOR_SD * parameters[count + 1]
+    clamp = beams.CLAMP_FACTOR + beams.CLAMP_FACTOR_SD * parameters[count + 2]
     bends, rings = [], []
     for number, specimen in enumerate(strips):
-        first = own + SHARED_PARAMETERS + 3 * number
-        sizes = [perturb(specimen.sizes[name], at[first + place]) for place, name in enumerate(SIZE_READINGS)]
-        strip = Strip(max(sizes[0] + free.get(OFFSET_NAME, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
+        first = count + SHARED_PARAMETERS + 3 * number
+        sizes = [perturb(specimen.sizes[name], parameters[first + place]) for place, name in enumerate(SIZE_READINGS)]
+        strip = Strip(max(sizes[0] + extra_values.get(OFFSET_NAME, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
         stiff = beams.bending_stiffness(slow, strip)
         bends += [
             beams.deflection(bend.weight_g, beams.effective_length(bend.at_mm, strip, root, clamp), stiff)
@@ -233,7 +239,7 @@ def _predict_readings(
         # A search that strays to a strip without length or mass is kept at a small one
         long = strip._replace(length=max(beams.effective_length(strip.length, strip, root, clamp), strip.thickness))
         air, air_sd = specimen.air.pair
-        mass = beams.moving_mass(max(heavy * (1.0 - air - air_sd * at[own + 3]), 1e-6), long)
+        mass = beams.moving_mass(max(heavy * (1.0 - air - air_sd * parameters[count + 3]), 1e-6), long)
         stiff = beams.bending_stiffness(fast, strip)
         rings += [beams.natural_frequency(stiff, mass, long.length, ring.weight_g) for ring in specimen.rings]
     return np.array(bends), np.array(rings)

@@ -33,8 +33,7 @@ TARGET_RING_HZ = 40.0
 enough for paper, coins and nuts to bend them by millimetres."""
 
 LENGTH_STEP_MM, MIN_LENGTH_MM, MIN_SLENDERNESS = 5.0, 25.0, 20.0
-"""Step of free lengths; the shortest; and the least over the thickness, below which shear counts:
-by 0.1 % there."""
+"""Step of free lengths; the shortest; and the least over the thickness, below which shear counts: by 0.1 % there."""
 
 CLAMP_MM = (20.0, 10.0)
 """Length and depth of the block at a strip's end, which a clamp or a vice holds."""
@@ -65,14 +64,14 @@ class Drawn(NamedTuple):
 
 
 def make_strips(design: Design, printer: Printer) -> list[Drawn]:
-    """Design strips of whole lines for a printer; one of them is as thick as the design's first leg.
+    """Design strips that are whole printed lines thick. One of them is as thick as the design's first leg.
 
     Their lengths follow from the design's material, and the printer's bed.
     """
-    layer, leg = printer.layer_height_mm, design.limbs[0].thickness
+    layer_height, leg = printer.layer_height_mm, design.limbs[0].thickness
     rounding = walls.line_rounding(printer)
     spacing = printer.line_width_mm - rounding
-    width = max(1, round(WIDTH_MM / layer)) * layer
+    width = max(1, round(WIDTH_MM / layer_height)) * layer_height
     longest = printer.bed_width_mm - 2.0 * border_width(printer) - CLAMP_MM[0]
     drawn = []
     for lines in STRIP_NUMBERS:
@@ -95,6 +94,7 @@ def _free_length(thickness: float, design: Design, longest: float) -> float:
 
 
 def _make_strip(name: str, strip: Strip, design: Design) -> Drawn:
+    """Return the strip with the weights that bend it and the frequency of its ring."""
     bending = beams.bending_stiffness(design.material.youngs_modulus, strip)
     length = beams.effective_length(strip.length, strip)
     mass = beams.moving_mass(1e-3 * design.material.density_g_cm3, strip)
@@ -116,7 +116,7 @@ def strip_mesh(drawn: Drawn) -> Mesh:
 
 
 def air_percent(drawn: Drawn, printer: Printer) -> float:
-    """Compute the share of a strip's outline, percent, outside the printer's lines."""
+    """Compute the percentage of a strip's cross-section that the printer's lines leave open."""
     return max(-100.0 * walls.deviation(drawn.strip.thickness, printer), 0.0)
 
 
@@ -140,6 +140,6 @@ def block_mesh(printer: Printer) -> Mesh:
 
 
 def block_volume(long: float, wide: float, high: float) -> float:
-    """Return the volume (mm^3) of a block of these measured sizes, without its chamfer."""
+    """Return the volume (mm^3) of the block with these measured sizes (mm), less its chamfer."""
     cut = CHAMFER_MM
     return long * wide * high - cut**2 * (long + wide) + 4.0 / 3.0 * cut**3

@@ -50,10 +50,10 @@ def make_plate(
 ) -> Report:
     """Write a calibration plate for every printer below folder/calibration, and the empty form.
 
-    Its strips are made for the material and leg of `design`, the walker of the drop test. For each printer 3MF, STL,
-    map, settings, and a sheet on printing and measuring. An edited form is kept. `report_findings` is called with the
-    checks' findings. Raises, before anything is written, PlateError for parts that do not fit and PrintabilityError for
-    those that would not print.
+    Its strips are made for the material and leg of `design`, the walker of the drop test. Each printer gets 3MF and STL
+    files, a map, settings, and a sheet on printing and measuring. An edited form is kept. `report_findings` is called
+    with the checks' findings. Raises, before anything is written, PlateError for parts that do not fit and
+    PrintabilityError for those that would not print.
     """
     drawings = [(parts.make_strips(design, printer), printer) for printer in printers]
     laid = [
@@ -75,7 +75,7 @@ def make_plate(
     return _make_report([row for batch in laid for row in _places(batch)], paths, path)
 
 
-def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
+def _make_report(rows: Sequence[Place], files: Sequence[Path], form_path: Path) -> Report:
     """Report the parts on each plate and the next steps."""
     columns = (
         report.text_column("printer", "printer"),
@@ -87,13 +87,13 @@ def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> 
         title="Calibration plate",
         tables=[Table("calibration", rows, (), columns)],
         facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
-        lines=[f"measure as in the sheet (.md), fill in the form (.csv), then run: walkergen calibrate {filled}"],
+        lines=[f"measure as in the sheet (.md), fill in the form (.csv), then run: walkergen calibrate {form_path}"],
         files=files,
     )
 
 
 def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
-    """Build strips, block and walker in their places on the bed, each with its findings."""
+    """Build strips, block and walker as they lie on the bed, each with the findings of its checks."""
     checked = []
     for part in drawn:
         mesh, strip = parts.strip_mesh(part), part.strip
@@ -126,13 +126,15 @@ def _write_printer_files(
 
 
 def _format_sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
+    """Return the sheet on printing and measuring, as Markdown. `stem`: start of the names of its files."""
     batch = print_sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FORM_FILE)
-    loads = plate_files.loads(laid, design.material.density_g_cm3)
+    loads = plate_files.piece_loads(laid, design.material.density_g_cm3)
     printing = print_sheet.format_print_section(batch, loads, laid.findings, "")
     return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
 
 
 def _places(laid: Laid) -> list[Place]:
+    """Return the position of each copy on the plates."""
     rows = []
     for number, plate in enumerate(laid.plates, start=1):
         for placement in plate.placements:

@@ -84,7 +84,7 @@ class Sines(NamedTuple):
 
 
 def calibrate(path: Path, setup: Setup, folder: Path | None) -> LabReport:
-    """Report the plate's motion from a recording, with the updated scene. Raises InputError."""
+    """Report the plate's motion from the recording `path`, with the updated scene. Raises InputError."""
     scene = setup.scene
     if scene.drive.kind == "motor":
         raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
@@ -122,7 +122,7 @@ def calibrate(path: Path, setup: Setup, folder: Path | None) -> LabReport:
 
 
 def _scene_settings(rows: list[Row], notes: list[str]) -> tuple[dict[str, Any], set[str]]:
-    """Return the values of the scene's keys that rows set, with notes on small ones, and the keys of the rows used.
+    """Return the values of the scene's keys that rows set, and the keys of the rows used. Add notes on small values.
 
     The key of a row for one entry of a pair has its number, as in "plate.horizontal_ratio[2]". The row after a number
     may hold its direction.
@@ -148,9 +148,9 @@ def _scene_settings(rows: list[Row], notes: list[str]) -> tuple[dict[str, Any], 
     return settings, {*measured}
 
 
-def _format_value(cell: tuple[Any, ...]) -> str:
-    """Format the value of a row of KEYS with its error and unit, or the reason for its absence."""
-    _, value, se, unit, _, refused = cell
+def _format_value(row: tuple[Any, ...]) -> str:
+    """Format the value of a row of COLUMNS with its error and unit, or the reason for its absence."""
+    _, value, se, unit, _, refused = row
     return str(refused) if refused else f"{formatting.format_with_error(value, se)} {unit}".strip()
 
 
@@ -160,38 +160,38 @@ def _round_value(number: Quantity) -> float:
 
 
 def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row], list[str]]:
-    """Measure the numbers of a plate, with notes on open questions. Raises InputError, which begins with `source`."""
-    rate, hinted = recording.rate, scene.drive.frequency
-    if hinted >= NYQUIST * rate:
+    """Measure the plate's motion, and note limits. Raises InputError, whose message begins with `source`."""
+    rate, expected = recording.rate, scene.drive.frequency
+    if expected >= NYQUIST * rate:
         raise InputError(
-            f"{source}: {rate:.0f} samples a second: the scene's drive of {hinted:g} Hz is at least half of them, so "
+            f"{source}: {rate:.0f} samples a second: the scene's drive of {expected:g} Hz is at least half of them, so "
             "another frequency would appear. Record faster, or set the drive: ‹set› scene.drive.frequency_hz=HZ"
         )
     upward, sideways, gravity = _resolve_axes(recording)
     frequency, error = _find_frequency(recording, upward, source)
     sines = _fit_sines(recording.times, upward, sideways, frequency)
     omega, size = 2.0 * math.pi * frequency, np.abs(sines.upward[:, 0])
-    unit = sines.upward[:, 0] / size
-    off = 0.0 if gravity is None else abs(gravity / GRAVITY - 1.0)
+    phase = sines.upward[:, 0] / size
+    gravity_error = 0.0 if gravity is None else abs(gravity / GRAVITY - 1.0)
     amplitude = _mean_quantity("amplitude", "um", 1e3 * size / omega**2)
     if amplitude.value is not None and amplitude.se is not None:
-        amplitude = amplitude._replace(se=math.hypot(amplitude.se, off * amplitude.value))
+        amplitude = amplitude._replace(se=math.hypot(amplitude.se, gravity_error * amplitude.value))
     rows = [
         Row("drive", Quantity("frequency", "hz", frequency, error, PIECES - 2.0), "drive.frequency_hz"),
         Row("amplitude", amplitude, "drive.amplitude_um"),
         Row("peak acceleration", _mean_quantity("gamma", "g", size / GRAVITY)),
     ]
     # upward is Re[Z exp(i omega t)] with Z = A omega^2 i exp(i phi), plus -4 r A omega^2 sin(2 phi + s)
-    second = sines.upward[:, 1] * np.conj(-1j * unit) ** 2 / (4j * size)
+    second = sines.upward[:, 1] * np.conj(-1j * phase) ** 2 / (4j * size)
     beyond = f"not measurable at {rate:.0f} samples a second: {2 * frequency:.4g} Hz would appear as another frequency"
     refused = "" if 2.0 * frequency < _max_frequency(rate) else beyond
     rows += _sine_rows(
         "second harmonic", second, "drive.second_harmonic_ratio", "drive.second_harmonic_phase_deg", refused
     )
-    for number, (axis, own) in enumerate(zip("xy", sines.sideways.T[:2], strict=True), start=1):
+    for number, (axis, waves) in enumerate(zip("xy", sines.sideways.T[:2], strict=True), start=1):
         keys = f"plate.horizontal_ratio[{number}]", f"plate.horizontal_phase_deg[{number}]"
-        rows += _sine_rows(f"motion along the phone's {axis}", own * np.conj(unit) / size, *keys, "")
-    rows += _gradient_rows(sines.sideways[:, 2:], unit, size / omega)
+        rows += _sine_rows(f"motion along the phone's {axis}", waves * np.conj(phase) / size, *keys, "")
+    rows += _gradient_rows(sines.sideways[:, 2:], phase, size / omega)
     rows.append(
         Row("noise", _noise_ratio(sines.rest, recording, scene, omega, float(size.mean())), "plate.noise_ratio")
     )
@@ -199,7 +199,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
 
 
 def _notes(recording: Recording, frequency: float, gravity: float | None, scene: Scene) -> list[str]:
-    """Return notes on the limits of the numbers."""
+    """Return notes on the limits of the numbers. `gravity`: as recorded, mm/s^2. It is None if the app removed it."""
     rate, notes = (recording.rate, ["x of the scene, along the lane, is the x axis of the phone lying on its back"])
     if recording.linear:
         notes.append(
@@ -214,13 +214,16 @@ def _notes(recording: Recording, frequency: float, gravity: float | None, scene:
     return notes
 
 
-def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
+def _gradient_rows(rates: Complex, phase: Complex, speed: Array) -> list[Row]:
     """Return gradient and rocking of the amplitude, from turning rates (rad/s) about the plate's x and y, (pieces, 2).
 
-    `speed`: the plate's peak speed (mm/s). A plate that turns at W about x and y rises at W_x y - W_y x.
+    `phase`: the drive's phase factor in each piece. `speed`: the plate's peak speed (mm/s). A plate that turns at W
+    about x and y rises at W_x y - W_y x.
     """
     refused = "" if rates.size else "it needs the gyroscope, because an accelerometer measures in one place"
-    x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
+    x, y = (
+        np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(phase) / speed if rates.size else np.zeros((2, PIECES))
+    )
     rows = []
     for name, part in (("gradient", np.real), ("rocking", np.imag)):
         key = f"plate.{name}_percent_per_mm"
@@ -229,9 +232,10 @@ def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
 
 
 def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
-    """Return accelerations upward, shape (n,), and along the plate, shape (n, 2) or (n, 4), and gravity.
+    """Return accelerations (mm/s^2) upward, shape (n,), and along the plate, shape (n, 2) or (n, 4), and gravity.
 
-    With four columns the last two are turning about the same axes. Gravity (mm/s^2) is None if it was taken off.
+    With four columns the last two are rates of turning (rad/s) about the same axes. Gravity (mm/s^2) is None if it was
+    taken off.
     """
     mean = recording.felt.mean(axis=0)
     moved = recording.felt - mean
@@ -249,7 +253,7 @@ def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
 
 
 def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[float, float]:
-    """Find the frequency of the strongest line and its error, Hz, from its phase from piece to piece."""
+    """Find the frequency (Hz) of the strongest line in `upward`, shape (n,), and its error, from phases of pieces."""
     times, rate = recording.times, recording.rate
     even = np.arange(0.0, times[-1], 1.0 / rate)
     power = np.abs(np.fft.rfft(np.interp(even, times, upward) * np.hanning(len(even)))) ** 2
@@ -274,7 +278,7 @@ def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[f
 
 
 def _fit_sines(times: Array, upward: Array, sideways: Array, frequency: float) -> Sines:
-    """Fit sines at multiples of a frequency in each piece of a recording."""
+    """Fit sines at multiples of a frequency (Hz) in each piece. Shapes: `upward` (n,), `sideways` (n, columns)."""
     amplitudes, across, rest = [], [], []
     for piece in np.array_split(np.arange(len(times)), PIECES):
         phase = 2.0 * math.pi * frequency * times[piece][:, None] * np.arange(1, HARMONICS + 1)
@@ -288,38 +292,45 @@ def _fit_sines(times: Array, upward: Array, sideways: Array, frequency: float) -
 
 
 def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
-    """Return the mean over pieces, with its error."""
+    """Return the mean of `values`, one for each piece, with its error."""
     return Quantity(
         key, unit, float(values.mean()), float(values.std(ddof=1)) / math.sqrt(len(values)), len(values) - 1.0
     )
 
 
 def _sine_rows(
-    name: str, waves: Complex, ratio: str, phase: str, refused: str, unit: str = "", turn: str = "phase"
+    name: str, waves: Complex, ratio_key: str, phase_key: str, refused: str, unit: str = "", angle_name: str = "phase"
 ) -> list[Row]:
-    """Return amplitude over the drive's, and phase, of a further sine; refused if insignificant or for `refused`."""
+    """Return a further sine's amplitude and phase, as rows that set `ratio_key` and `phase_key`.
+
+    `waves`: complex amplitudes over the drive's, shape (pieces,). Without a reason in `refused`, the rows are refused
+    only if the amplitude is insignificant. `angle_name`: "phase" or "direction".
+    """
     mean, root = complex(waves.mean()), math.sqrt(len(waves))
-    turned = waves * np.exp(-1j * np.angle(mean))
-    along, across = (float(part.std(ddof=1)) / root for part in (turned.real, turned.imag))
+    rotated = waves * np.exp(-1j * np.angle(mean))
+    along, across = (float(part.std(ddof=1)) / root for part in (rotated.real, rotated.imag))
     size, freedom = abs(mean), len(waves) - 1.0
     if not refused and size < MIN_SIGNIFICANCE * max(along, across):
         of = unit or "of the drive's amplitude"
         refused = f"not distinguishable from 0: below {size + 2.0 * along:.2g} {of} (95 %)"
     if refused:
-        sizes, turns = (Quantity(key, of, None, refused=refused) for key, of in (("ratio", unit), (turn, "deg")))
+        sizes, angles = (Quantity(key, of, None, refused=refused) for key, of in (("ratio", unit), (angle_name, "deg")))
     else:
         sizes = Quantity("ratio", unit, size, along, freedom)
-        turns = Quantity(turn, "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
-    return [Row(name, sizes, ratio), Row(f"{turn} of {name}", turns, phase)]
+        angles = Quantity(angle_name, "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
+    return [Row(name, sizes, ratio_key), Row(f"{angle_name} of {name}", angles, phase_key)]
 
 
 def _max_frequency(rate: float) -> float:
-    """Return the highest frequency (Hz) of measurable noise."""
+    """Return the highest frequency (Hz) of measurable noise, for a sampling rate (Hz)."""
     return USED_BANDWIDTH * NYQUIST * rate
 
 
 def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, size: float) -> Quantity:
-    """Compute the r.m.s. velocity without the sines, in the scene's noise band, over the drive's peak speed."""
+    """Compute the r.m.s. velocity without the sines, in the scene's noise band, over the drive's peak speed.
+
+    `rest`: acceleration without the sines, mm/s^2. `omega`, `size`: the drive's angular frequency and acceleration.
+    """
     low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
     if not low < high:
         return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, above all measurable frequencies")

@@ -45,7 +45,7 @@ class Laid(NamedTuple):
 
 
 def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
-    """Arrange and check pieces. Raises PlateError when they do not fit."""
+    """Arrange pieces on at most `max_plates` plates, and check them. Raises PlateError when they do not fit."""
     parts = [Part.from_mesh(piece.name, piece.mesh, 1) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
     findings = [
@@ -60,8 +60,8 @@ def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -
     return Laid(printer, pieces, parts, plates, findings)
 
 
-def loads(laid: Laid, density: float) -> list[Load]:
-    """Return the plastic of each piece, as drawn, at a density, g/cm^3."""
+def piece_loads(laid: Laid, density: float) -> list[Load]:
+    """Return mass (g) and side area of the plastic of each piece, as drawn, at a density (g/cm^3)."""
     return [
         Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, print_sheet.side_area(piece.mesh))
         for piece in laid.pieces
@@ -71,7 +71,7 @@ def loads(laid: Laid, density: float) -> list[Load]:
 def plate_files(
     laid: Laid, design: Design, stem: str, pictures: bool, prusaslicer: bool
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
+    """Yield names and contents of files: settings, plates (3MF), pieces (STL) and, with `pictures`, maps."""
     start = f"{stem}_{laid.printer.name}"
     yield from slicer.settings_files(laid.printer, design.material, start)
     meshes = [piece.mesh for piece in laid.pieces]
@@ -91,7 +91,7 @@ def plate_files(
 
 
 def _draw_map(laid: Laid, plate: Plate, title: str) -> "Figure":
-    """Draw every piece of a plate at its place on the bed, from above, with its words."""
+    """Draw every piece of a plate at its place on the bed, from above, with its label."""
     from matplotlib.figure import Figure
 
     wide, deep = laid.printer.bed_width_mm, laid.printer.bed_depth_mm
@@ -124,7 +124,7 @@ def _draw_pieces(axes: "Axes", laid: Laid, plate: Plate) -> None:
 
 
 def _draw_labels(axes: "Axes", laid: Laid, plate: Plate) -> None:
-    """Write the words of each piece on its upper edge, on white."""
+    """Write the label of each piece on its upper edge, on white."""
     for placed in plate.placements:
         piece, part = laid.pieces[placed.part], laid.parts[placed.part]
         axes.annotate(

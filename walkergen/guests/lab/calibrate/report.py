@@ -19,7 +19,7 @@ STRIP_COLUMNS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa",
 
 
 def collect_settings(estimates: Sequence[Estimate]) -> dict[str, float]:
-    """Collect the keys of design and scene set by numbers, with their values."""
+    """Return the values that the estimates set, by key of design or scene."""
     return {key: value for each in estimates for key, value in each.settings.items()}
 
 
@@ -32,7 +32,10 @@ def make_report(
     title: str,
     folder: Path,
 ) -> LabReport:
-    """Report the results of a filled form or of a drop: numbers, the strips, and the drop test."""
+    """Report the results of a filled form or of a drop.
+
+    `bent`: fit of the strips. `drop`: restitution from the drop test. `measured`: design and scene with new values.
+    """
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),

@@ -38,13 +38,13 @@ MAX_WEIGHT_DIFFERENCE = 0.35
 
 
 def nearest_weight(grams: float) -> str:
-    """Return the ordinary weight nearest to a wanted one, g; "" if none is near."""
+    """Return the everyday object whose weight is nearest to `grams`, with its weight, or "" if none is near."""
     name, weight = min(HOUSEHOLD_WEIGHTS, key=lambda pair: abs(pair[1] - grams))
     return f"{name} ({weight:g})" if abs(weight - grams) <= MAX_WEIGHT_DIFFERENCE * grams else ""
 
 
 def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
-    """Return the sections on measuring, after those on printing; their text is in the assets."""
+    """Return the part of the sheet on measuring, with tables of the strips. Its text is in the assets."""
     words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
     return words.format(
         form=form.FORM_FILE,
@@ -80,6 +80,7 @@ def _weights_table(drawn: Sequence[Drawn]) -> str:
 
 
 def _rings_table(drawn: Sequence[Drawn]) -> str:
+    """Return the frequencies at which strips ring, in full and half length, and the time of 20 swings."""
     rows = [
         (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
     ]

@@ -34,19 +34,19 @@ standard errors."""
 def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     """Compute the friction of the one part that slides in a file of tracks, on an incline of this angle.
 
-    Still parts, such as caps that show the camera's tilt, are left out. Raises InputError for tracks of several sliding
-    parts, of more than one slide, and without friction.
+    `error_deg`: standard error of the angle. Still parts, such as caps that show the camera's tilt, are left out.
+    Raises InputError for tracks of several sliding parts, of more than one slide, and without friction.
     """
     read = track_files.read_tracks(path, track_files.Units())
     name = safe_text.shorten_line(path.name)
     seen = [_visible_positions(track.position, read.interval) for track in read.tracks]
-    ways = np.array([np.linalg.norm(places[-1] - places[0]) for _, places in seen])
-    moving = int((ways > MAX_STILL_SHARE * ways.max()).sum())
+    distances = np.array([np.linalg.norm(places[-1] - places[0]) for _, places in seen])
+    moving = int((distances > MAX_STILL_SHARE * distances.max()).sum())
     if moving > 1:
         raise InputError(
             f"{name}: {moving} tracks move, but only one part may slide. Cut the film with track ‹frames› and ‹region›"
         )
-    times, places = seen[int(ways.argmax())]
+    times, places = seen[int(distances.argmax())]
     if len(times) < MIN_FRAMES:
         raise InputError(f"{name}: {len(times)} frames: must be at least {MIN_FRAMES} of a slide")
     gained, error, change, change_error = _acceleration(times, places)
@@ -58,8 +58,8 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
             "does the film begin before the slide, or continue after it? Cut it with track ‹frames›"
         )
     value = math.tan(angle) - gained / along
-    by_angle = (1.0 - gained / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error
-    total = math.hypot(by_angle, error / along, gained / along * (read.scale_se or 0.0))
+    angle_part = (1.0 - gained / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error
+    total = math.hypot(angle_part, error / along, gained / along * (read.scale_se or 0.0))
     if value <= 0.0:
         raise InputError(
             f"{name}: gains {gained:.3g} mm/s2. Without friction it would gain {GRAVITY * math.sin(angle):.3g}. "
@@ -69,18 +69,22 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
 
 
 def _visible_positions(position: Array, interval: float) -> tuple[Array, Array]:
-    """Return times, s, from the middle, and positions, mm, of the frames that show the walker."""
+    """Return times (s, with mean 0) and positions (mm) of the frames that show the part.
+
+    `position`: shape (frames, 2), NaN in frames without the part. `interval`: time between frames, s.
+    """
     seen = ~np.isnan(position).any(axis=1)
     times = interval * np.flatnonzero(seen)
     return times - times.mean(), position[seen]
 
 
 def _acceleration(times: Array, places: Array) -> tuple[float, float, float, float]:
-    """Compute the acceleration along the path and its error, its change from end to end and that one's error."""
+    """Return the acceleration (mm/s^2) along the path and its error, and its change from end to end and that error."""
     way = places[-1] - places[0]
     ahead = places @ way / (np.linalg.norm(way) or 1.0)
 
     def fit(degree: int) -> tuple[Array, Array]:
+        """Return the coefficients of a polynomial in time, and their errors."""
         terms = np.vander(times, degree + 1, increasing=True)
         solution, _, _, _ = np.linalg.lstsq(terms, ahead)
         rest = ahead - terms @ solution

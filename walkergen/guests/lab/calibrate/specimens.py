@@ -66,7 +66,7 @@ class Specimen(NamedTuple):
 
 
 def from_readings(readings: Readings) -> tuple[list[Specimen], list[str]]:
-    """Read the strips that give a modulus, and notes on the others. Raises InputError."""
+    """Return the strips that have sizes and give a modulus, and notes on strips without sizes. Raises InputError."""
     strips, notes = [], []
     for part in sorted(name for name in readings if name.startswith("strip_")):
         own = readings[part]
@@ -88,7 +88,7 @@ def from_readings(readings: Readings) -> tuple[list[Specimen], list[str]]:
 
 
 def scale_quantity(number: Quantity, scale: float) -> Quantity:
-    """Convert a number and its error to another unit."""
+    """Multiply a number and its error by a factor, as to another unit."""
     value, se = number.pair
     return number._replace(value=scale * value, se=scale * se)
 
@@ -102,7 +102,7 @@ def _to_frequency(time: Reading) -> Reading:
 
 
 def _check_sizes(part: str, sizes: Mapping[str, Quantity]) -> None:
-    """Raise InputError for sizes that are hardly known, or no beam's."""
+    """Raise InputError for sizes with large errors, or if the strip is too short to bend as a beam."""
     for name, (size, error) in ((name, number.pair) for name, number in sizes.items()):
         if error > MAX_SIZE_ERROR * size:
             raise InputError(
@@ -122,7 +122,7 @@ def _check_sizes(part: str, sizes: Mapping[str, Quantity]) -> None:
 
 
 def _check_bend(part: str, bend: Reading, length: float) -> None:
-    """Raise InputError for a deflection that is no small bend of its strip."""
+    """Raise InputError for a weight beyond the end of the strip, of this length (mm), or too large a deflection."""
     if bend.at_mm > length:
         raise InputError(f"{part}: at_mm = {bend.at_mm:g}: beyond the strip's free_length_mm = {length:g}")
     depth, _ = bend.number.pair
@@ -175,7 +175,7 @@ def median_modulus(rough: Sequence[Rough], method: str) -> float | None:
 
 
 def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
-    """Note on a modulus, known by one method alone, that differs from the usual one by a slip."""
+    """Return a note if only one method gave a modulus, and it is a typical mistake's factor off `usual` (GPa)."""
     ring, bend = (median_modulus(rough, method) for method in (RING_METHOD, BEND_METHOD))
     if ring and bend:
         return []
@@ -187,6 +187,6 @@ def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
 
 
 def _describe_slip(ratio: float, slips: Mapping[float, str]) -> str:
-    """Name the mistake with such a ratio; "" for none."""
+    """Describe the mistake in `slips`, by factor, whose factor is near the ratio, or return ""."""
     like = min(slips, key=lambda usual: abs(math.log(ratio / usual)))
     return f"; the ratio is near {slips[like]}" if 1 / SLIP_TOLERANCE <= ratio / like <= SLIP_TOLERANCE else ""

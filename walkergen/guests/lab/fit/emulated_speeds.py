@@ -46,7 +46,7 @@ class Setting(NamedTuple):
         return self.design.tilt_deg
 
 
-class Ground(NamedTuple):
+class FitInputs(NamedTuple):
     """Common inputs of all simulated walkers of a fit."""
 
     scene: Scene
@@ -68,13 +68,13 @@ class Response(NamedTuple):
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
         """Return mean speed, its error from the emulator, and the scatter between prints, each (k,), mm/s.
 
-        Columns of x (k, parameters) beyond those simulated are a scatter over speed.
+        `x`: parameters, shape (k, parameters). A column after the simulated ones replaces the scatter over speed.
         """
-        wide = len(self.emulator.centre)
-        mean, sd = self.emulator(x[:, :wide])
+        simulated = len(self.emulator.centre)
+        mean, sd = self.emulator(x[:, :simulated])
         scatter = np.hypot(self.floor, self.share * mean)
-        if x.shape[1] > wide:
-            scatter = x[:, wide] * np.hypot(mean, self.still)
+        if x.shape[1] > simulated:
+            scatter = x[:, simulated] * np.hypot(mean, self.still)
         return mean, sd, scatter
 
 
@@ -82,70 +82,70 @@ STILL_SPEED_RATIO = 0.1
 """Speed over that of the plate below which a learnt scatter no longer falls with the speed."""
 
 
-def sample_parameters(ground: Ground, count: int) -> Array:
-    """Return parameters of `count` walkers over their priors, shape (count, simulated parameters).
+def sample_parameters(inputs: FitInputs, count: int) -> Array:
+    """Return parameters of `count` walkers that cover their priors evenly, shape (count, simulated parameters).
 
-    Points of a lattice (`uncertain_inputs.lattice_points`).
+    They form a lattice (`uncertain_inputs.lattice_points`).
     """
-    parameters = ground.unknown.simulated
-    return prior_values(parameters, uncertain_inputs.lattice_points(len(parameters), count, ground.scene.run.seed))
+    parameters = inputs.unknown.simulated
+    return prior_values(parameters, uncertain_inputs.lattice_points(len(parameters), count, inputs.scene.run.seed))
 
 
-def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
-    """Simulate the speeds (mm/s) of walkers with parameters `x` (n, simulated), NaN where they fall.
+def simulate(inputs: FitInputs, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
+    """Simulate the speeds (mm/s) of walkers with parameters `x`, shape (n, simulated), in a setting.
 
-    Each has its own print and start, from the scene's seed, the setting and the number of the batch. Earlier
-    simulations are reused; Ctrl-C loses only the current runs.
+    The speed is NaN where a walker falls. The scene's seed, the setting and the batch's number determine the print and
+    start of each walker. Stored speeds are reused, and Ctrl-C loses only the current runs.
     """
-    prints, seeds = _sample_prints(ground, setting, len(x), batch)
-    names = [parameter.prior.name for parameter in ground.unknown.simulated]
-    names += [varying.name for varying in ground.unknown.printed]
-    scene = _short_scene(ground, setting)
+    prints, seeds = _sample_prints(inputs, setting, len(x), batch)
+    names = [parameter.prior.name for parameter in inputs.unknown.simulated]
+    names += [varying.name for varying in inputs.unknown.printed]
+    scene = _short_scene(inputs, setting)
     runs = []
     for row, seed in zip(np.column_stack([x, prints]), seeds, strict=True):
         run = scene.run.model_copy(update={"seed": seed})
-        mine = scene.model_copy(update={"run": run})
-        inputs = dict(zip(names, row, strict=True))
-        runs.append(Walker(*uncertain_inputs.apply_inputs(mine, setting.design, inputs)))
+        own_scene = scene.model_copy(update={"run": run})
+        values = dict(zip(names, row, strict=True))
+        runs.append(Walker(*uncertain_inputs.apply_inputs(own_scene, setting.design, values)))
     keys = [run.key for run in runs]
     store = Store()
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
-    missing = [place for place, key in enumerate(keys) if key not in speeds]
-    wanted = [runs[place] for place in missing]
-    made = walkers.simulate_parallel(wanted, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
-    fresh = {keys[missing[place]]: point.summary.speed.value for place, point in made.items()}
-    store.save((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
+    missing = [index for index, key in enumerate(keys) if key not in speeds]
+    new_runs = [runs[index] for index in missing]
+    results = walkers.simulate_parallel(new_runs, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
+    new_speeds = {keys[missing[index]]: point.summary.speed.value for index, point in results.items()}
+    store.save((key, {"speed_mm_s": speed}) for key, speed in new_speeds.items())
     store.close()
-    if len(made) < len(wanted):
+    if len(results) < len(new_runs):
         raise KeyboardInterrupt
-    speeds |= fresh
+    speeds |= new_speeds
     return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
 
 
-def cpu_seconds(ground: Ground, setting: Setting) -> float:
-    """Return the CPU seconds of one run in a setting, with the values of design and scene."""
-    return run_time.run_cpu_s(Walker(_short_scene(ground, setting), setting.design, mass_of(setting.design)))
+def cpu_seconds(inputs: FitInputs, setting: Setting) -> float:
+    """Estimate the CPU time (s) of one short run in a setting, with the values of design and scene."""
+    return run_time.run_cpu_s(Walker(_short_scene(inputs, setting), setting.design, mass_of(setting.design)))
 
 
-def _sample_prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
-    """Draw the inputs that differ from print to print, (count, inputs), and a seed for each print's run.
+def _sample_prints(inputs: FitInputs, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
+    """Draw the inputs that differ between prints, shape (count, inputs), and a seed for the run of each print.
 
-    Independent from setting to setting: otherwise errors of emulators would be the same at all tilts.
+    The draws differ between settings and batches. Otherwise errors of emulators would be the same at all tilts.
     """
-    place = [round(1e6 * (setting.tilt + 90.0)), round(1e6 * setting.plate_speed)]
-    rng = np.random.default_rng([ground.scene.run.seed, batch, *place])
+    setting_key = [round(1e6 * (setting.tilt + 90.0)), round(1e6 * setting.plate_speed)]
+    rng = np.random.default_rng([inputs.scene.run.seed, batch, *setting_key])
     seeds = [int(seed) for seed in rng.integers(2**62, size=count)]
-    even = rng.uniform(1e-9, 1.0, (count, len(ground.unknown.printed)))
+    uniform = rng.uniform(1e-9, 1.0, (count, len(inputs.unknown.printed)))
     columns = [
-        uncertain_inputs.input_quantiles(varying, even[:, place])
-        for place, varying in enumerate(ground.unknown.printed)
+        uncertain_inputs.input_quantiles(varying, uniform[:, place])
+        for place, varying in enumerate(inputs.unknown.printed)
     ]
     return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
 
 
-def _short_scene(ground: Ground, setting: Setting) -> Scene:
-    """Return the scene of the short runs: endless ground, since a speed needs no walls."""
-    scene = plate_scene(ground.scene, setting)
+def _short_scene(inputs: FitInputs, setting: Setting) -> Scene:
+    """Return the scene of a short run in a setting, without walls, which a speed does not need."""
+    scene = plate_scene(inputs.scene, setting)
     run = {"seconds": RUN_SECONDS, "discard_seconds": DISCARDED_SECONDS, "runs": 1}
     return scene.model_copy(
         update={
@@ -156,7 +156,7 @@ def _short_scene(ground: Ground, setting: Setting) -> Scene:
 
 
 def plate_scene(scene: Scene, setting: Setting) -> Scene:
-    """Return the scene with a setting's plate speed at its own frequency; a motor keeps its own."""
+    """Return the scene with a setting's plate speed and the scene's frequency. A motor's scene stays the same."""
     drive = scene.drive
     if drive.kind == "motor" or math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
         return scene
@@ -170,22 +170,22 @@ def plate_scene(scene: Scene, setting: Setting) -> Scene:
 
 
 def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:
-    """Emulate speeds y (n,), NaN where there is none, at x (n, simulated parameters).
+    """Fit an emulator to the speeds `y`, shape (n,), of walkers with parameters `x`, shape (n, simulated).
 
-    Scatter about the emulator grows with speed; it counts as that between prints where prints
-    differ, and otherwise as noise of short runs. Raises InputError when too many walkers fell.
+    Walkers that fell have the speed NaN. Scatter about the emulator grows with speed. It counts as scatter between
+    prints if `prints_differ`, otherwise as noise of short runs. Raises InputError when too many walkers fell.
     """
-    good = np.isfinite(y)
-    fell = len(y) - int(good.sum())
+    finite = np.isfinite(y)
+    fell = len(y) - int(finite.sum())
     if fell > MAX_FAILED_SHARE * len(y) or len(y) - fell < emulator.MIN_VALUES:
         raise InputError(
             f"tilt {setting.tilt:g} deg: {fell} of {len(y)} simulated walkers have no speed, because they "
             "topple or their energy does not balance. Leave this tilt out, or fix parameters"
         )
-    x, y = x[good], y[good]
-    first = emulator.fit(x, y)
-    floor, share = _fit_scatter(y - first.left_out, first.left_out)
-    noise = np.hypot(floor, share * (y - first.left_out))
+    x, y = x[finite], y[finite]
+    rough = emulator.fit(x, y)
+    floor, share = _fit_scatter(y - rough.left_out, rough.left_out)
+    noise = np.hypot(floor, share * (y - rough.left_out))
     fitted = emulator.fit(x, y, noise)
     # The residuals hold the emulator's own error as well, which is no noise: taken out.
     excess = float(np.sqrt(np.mean((fitted.left_out / fitted.left_out_sd) ** 2)))
@@ -196,7 +196,7 @@ def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> R
 
 
 def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
-    """Fit the scatter at speed 0 (mm/s) and its growth with speed to residuals about the emulator."""
+    """Return the scatter (mm/s) of residuals at speed 0, and its growth with speed. Arguments: shape (n,), mm/s."""
     from scipy.optimize import nnls
 
     typical = float(np.sqrt(np.mean(residual**2))) or 1e-6
@@ -210,14 +210,14 @@ def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
 
 
 def simulate_batches(
-    ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
+    inputs: FitInputs, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
 ) -> list[Array]:
-    """Simulate the speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
+    """Return the simulated speeds (mm/s) in each setting, shape (n,), for parameters `x`, shape (n, simulated)."""
     speeds = []
     for number, setting in enumerate(settings):
 
-        def advance(what: str, done: int, total: int, number: int = number) -> None:
+        def report_total(what: str, done: int, total: int, number: int = number) -> None:
             progress(what, number * len(x) + done, len(settings) * len(x))
 
-        speeds.append(simulate(ground, setting, x, advance, batch))
+        speeds.append(simulate(inputs, setting, x, report_total, batch))
     return speeds

@@ -30,9 +30,11 @@ def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], 
     speeds, errors = seen.speed / unit, None if seen.se is None else seen.se / unit
     for kind, (fine, speed, error) in curves.items():
         draw_curve(axes, (fine, scale * speed, scale * error), LEG_STYLES[kind], f"fit, {kind} legs")
-        own = np.array([legs == kind for legs in seen.legs])
-        bars = None if errors is None else errors[own]
-        draw_points(axes, (seen.tilt[own], speeds[own], bars), LEG_STYLES[kind], f"measured, {kind} legs", hollow=True)
+        of_kind = np.array([legs == kind for legs in seen.legs])
+        bars = None if errors is None else errors[of_kind]
+        draw_points(
+            axes, (seen.tilt[of_kind], speeds[of_kind], bars), LEG_STYLES[kind], f"measured, {kind} legs", hollow=True
+        )
     label_axes(axes, "tilt of the legs (deg)", "speed (mm/s)" if same else "speed / plate speed")
     axes.legend()
     return figure
@@ -40,9 +42,9 @@ def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], 
 
 @style()
 def draw_bands(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
-    """Draw speeds against tilt on the plate that is predicted: measured, and bands of one more.
+    """Draw speeds against tilt on the plate that is predicted: measured speeds, and bands of one more print.
 
-    Bands are computed at the dots alone; between them they are joined by straight lines.
+    Bands are computed at the dots alone. Between them they are joined by straight lines.
     """
     plate = next((band for band in bands if not band.measured), bands[0]).plate_speed_mm_s
     chosen = [band for band in bands if band.plate_speed_mm_s == plate]

@@ -24,24 +24,24 @@ MODEL_RANGES = {
 
 
 def parse_held(request: FitFields) -> dict[str, float]:
-    """Return the parameters to hold, by name. Raises InputError for unknown names and values out of range."""
-    of = "" if request.model == "theory" else f" (model {request.model})"
+    """Parse `request.fix` to values by parameter name. Raises InputError for unknown names and values out of range."""
+    model_note = "" if request.model == "theory" else f" (model {request.model})"
     ranges, held = _ranges(request.model), {}
     for text in request.fix:
         name, _, number = (word.strip(" ") for word in text.partition("="))
         if name not in ranges:
-            raise InputError(f"‹fix› {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
+            raise InputError(f"‹fix› {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{model_note}")
         value, (low, high) = formatting.parse_number(number), ranges[name]
         if value is None:
             raise InputError(f"‹fix› {text[:60]!r}: {number[:30]!r} is not a number")
         if not low <= value <= high:
-            raise InputError(f"‹fix› {text[:60]!r}: must lie in {low:g}..{high:g}{of}")
+            raise InputError(f"‹fix› {text[:60]!r}: must lie in {low:g}..{high:g}{model_note}")
         held[name] = value
     return held
 
 
 def describe_assumptions(request: FitFields, walker: str, held: Mapping[str, float]) -> str:
-    """State the assumptions of a fit for a walker of this name."""
+    """Describe the assumptions of a fit in words: name of the walker, model, prior, and the held parameters."""
     parts = [f"walker {walker}"]
     if request.model == "theory":
         parts.append(f"mode {request.mode}")

@@ -42,11 +42,11 @@ class Learnt(NamedTuple):
 
 
 def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
-    """Summarise draws (k, parameters) of the posterior, a row for each parameter."""
+    """Return a summary of each parameter, from draws of the posterior, shape (k, parameters)."""
     rows = []
     grid = (np.arange(4096) + 0.5) / 4096
-    for place, parameter in enumerate(parameters):
-        column = draws[:, place]
+    for number, parameter in enumerate(parameters):
+        column = draws[:, number]
         ends = np.quantile(column, (0.1587, 0.8413, 0.025, 0.975))
         mean, sd = float(column.mean()), float(column.std())
         narrowed = sd / float(parameter.quantiles(grid).std())
@@ -56,7 +56,7 @@ def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Lear
 
 
 def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
-    """Note the parameters that the speeds do not constrain beyond the prior."""
+    """Return a note on the parameters that the speeds constrain no better than the prior, if there are any."""
     names = [row.name for row in rows if row.narrowed > MAX_LEARNT_RATIO]
     if not names:
         return []
@@ -66,8 +66,8 @@ def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
 def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     """Return notes on parameters that are determined only in combination.
 
-    Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is known is a product of
-    powers.
+    Combinations are eigenvectors of the correlation of the parameters' logarithms, that is, products of powers. `draws`
+    of the posterior have the parameters as their first columns.
     """
     if len(parameters) < 2:
         return []
@@ -95,7 +95,7 @@ def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
 
 
 def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
-    """Note on `count` speeds that no parameters explain."""
+    """Return a note if no parameters explain the speeds, `count` of them, with the model of this name."""
     from scipy.stats import chi2
 
     chance = float(chi2.sf(sampled.chi2, count))
@@ -108,7 +108,7 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
 
 
 def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
-    """Note each measured value that differs from the fit by more than `MAX_DEVIATIONS` standard deviations."""
+    """Return a note on each measured value that is `MAX_DEVIATIONS` or more of its standard deviations off the fit."""
     notes = []
     for parameter, row in zip(parameters, rows, strict=True):
         prior = parameter.prior

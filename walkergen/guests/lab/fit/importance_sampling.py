@@ -13,7 +13,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array
 from walkergen.guests.lab.fit.parameters import Parameter, prior_values
-from walkergen.guests.lab.fit.posterior import KEPT_DRAWS, Observed, Posterior, Responds, log_likelihood
+from walkergen.guests.lab.fit.posterior import KEPT_DRAWS, Observed, Posterior, SpeedModel, log_likelihood
 
 DRAWS_PER_ROUND, MAX_ROUNDS = 2**13, 24
 """Draws of a round, which add to those of earlier rounds, and rounds until sampling gives up."""
@@ -28,68 +28,73 @@ PRIOR_SHARE, SPREAD_FACTOR = 0.1, 1.4
 def sample(
     parameters: Sequence[Parameter],
     observed: Sequence[Observed],
-    responses: Sequence[Responds],
+    responses: Sequence[SpeedModel],
     seed: int,
     progress: Progress,
 ) -> Posterior:
-    """Sample the parameters given speeds observed in settings with these responses.
+    """Sample the posterior of the parameters, given the speeds observed in each setting.
 
-    Equal seeds give equal draws. Raises InputError when too few draws agree with the speeds.
+    `responses`: functions that predict the speed in each setting. Equal seeds give equal draws. Raises InputError when
+    too few draws agree with the speeds.
     """
     from scipy.special import ndtr
 
     rng = np.random.default_rng([seed, len(observed)])
-    wide = len(parameters)
-    middle: Array = np.zeros(wide)
-    root: Array = np.eye(wide)
+    dimension = len(parameters)
+    mean: Array = np.zeros(dimension)
+    cholesky: Array = np.eye(dimension)
     rounds: list[tuple[Array, Array, Array]] = []
     for done in range(MAX_ROUNDS):
         progress("learning", done, MAX_ROUNDS)
-        z = rng.standard_normal((DRAWS_PER_ROUND, wide))
-        narrow = rng.uniform(size=DRAWS_PER_ROUND) >= PRIOR_SHARE
-        z[narrow] = middle + z[narrow] @ root.T
-        logs, chi2 = log_likelihood(prior_values(parameters, ndtr(z)), observed, responses)
-        rounds.append((z, logs - 0.5 * np.sum(z**2, axis=1) - _log_density(z, middle, root), chi2))
-        every, logarithm, squares = (np.concatenate(parts) for parts in zip(*rounds, strict=True))
-        weight = _normalise_weights(logarithm)
-        worth = float(1.0 / (weight @ weight))
-        if worth >= MIN_INDEPENDENT:
-            picked = rng.choice(len(every), KEPT_DRAWS, p=weight)
-            draws = prior_values(parameters, ndtr(every[picked]))
-            return Posterior(draws, len(every), worth, float(squares.min()))
-        weight = _temper_weights(logarithm)
-        middle = weight @ every
-        off = (every - middle) * np.sqrt(weight)[:, None]
-        spread = SPREAD_FACTOR**2 * (off.T @ off) + 1e-9 * np.eye(wide)
-        root = np.asarray(np.linalg.cholesky(spread))
+        z = rng.standard_normal((DRAWS_PER_ROUND, dimension))
+        adapted = rng.uniform(size=DRAWS_PER_ROUND) >= PRIOR_SHARE
+        z[adapted] = mean + z[adapted] @ cholesky.T
+        log_likelihoods, chi2 = log_likelihood(prior_values(parameters, ndtr(z)), observed, responses)
+        rounds.append((z, log_likelihoods - 0.5 * np.sum(z**2, axis=1) - _log_density(z, mean, cholesky), chi2))
+        all_z, log_weights, squares = (np.concatenate(parts) for parts in zip(*rounds, strict=True))
+        weight = _normalise_weights(log_weights)
+        independent = float(1.0 / (weight @ weight))
+        if independent >= MIN_INDEPENDENT:
+            chosen = rng.choice(len(all_z), KEPT_DRAWS, p=weight)
+            draws = prior_values(parameters, ndtr(all_z[chosen]))
+            return Posterior(draws, len(all_z), independent, float(squares.min()))
+        weight = _temper_weights(log_weights)
+        mean = weight @ all_z
+        centred = (all_z - mean) * np.sqrt(weight)[:, None]
+        spread = SPREAD_FACTOR**2 * (centred.T @ centred) + 1e-9 * np.eye(dimension)
+        cholesky = np.asarray(np.linalg.cholesky(spread))
     raise InputError(
-        f"the posterior did not converge: {len(every)} draws are worth only {worth:.0f} independent ones. "
+        f"the posterior did not converge: {len(all_z)} draws are worth only {independent:.0f} independent ones. "
         "Hold a parameter, ‹fix› NAME=VALUE, or use ‹prior=›scene"
     )
 
 
-def _log_density(z: Array, middle: Array, root: Array) -> Array:
-    """Compute the logarithm of the sampling density of rows of z, up to a constant."""
-    inner = np.linalg.solve(root, (z - middle).T)
-    narrow = -0.5 * np.sum(inner**2, axis=0) - np.log(np.diag(root)).sum()
+def _log_density(z: Array, mean: Array, cholesky: Array) -> Array:
+    """Return the logarithm, up to a constant, of the sampling density at each row of `z`, shape (n, parameters).
+
+    It mixes the prior, a standard normal, with a normal of this mean and Cholesky factor of the covariance.
+    """
+    standard = np.linalg.solve(cholesky, (z - mean).T)
+    adapted = -0.5 * np.sum(standard**2, axis=0) - np.log(np.diag(cholesky)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)
-    logs = np.logaddexp(np.log(1.0 - PRIOR_SHARE) + narrow, np.log(PRIOR_SHARE) + prior)
+    logs = np.logaddexp(np.log(1.0 - PRIOR_SHARE) + adapted, np.log(PRIOR_SHARE) + prior)
     return np.asarray(logs)
 
 
-def _normalise_weights(logarithm: Array) -> Array:
-    weight = np.exp(logarithm - logarithm.max())
+def _normalise_weights(log_weights: Array) -> Array:
+    """Return weights of sum 1 from their logarithms, shape (n,)."""
+    weight = np.exp(log_weights - log_weights.max())
     return np.asarray(weight / weight.sum())
 
 
-def _temper_weights(logarithm: Array) -> Array:
-    """Raise weights to the largest power, at most 1, that makes them worth a tenth of MIN_INDEPENDENT.
+def _temper_weights(log_weights: Array) -> Array:
+    """Raise weights to a power of at most 1 so that they are worth a tenth of MIN_INDEPENDENT independent draws.
 
-    With a few heavy draws alone the next ones would come from too narrow a spread.
+    If a few draws had all the weight, the next round would sample too narrow a region.
     """
     power = 1.0
     while True:
-        weight = _normalise_weights(power * logarithm)
+        weight = _normalise_weights(power * log_weights)
         if 1.0 / (weight @ weight) >= 0.1 * MIN_INDEPENDENT:
             return weight
         power *= 0.7

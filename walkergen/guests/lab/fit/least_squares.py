@@ -85,18 +85,19 @@ def inverse_mass_tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass,
     return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
 
 
-def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
-    """Predict speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
+def speeds_per_factor(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
+    """Predict the speeds (mm/s) of n walkers at impact_speed_factor 1. Shape: the parameters' shape, then n."""
     e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
     mean = 0.5 * (factor(speeds.back, e, mu, speeds.mode) + factor(speeds.front, e, mu, speeds.mode))
     return speeds.plate_speed * mean
 
 
 def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = True) -> ContactFit:
-    """Fit the parameters not in `fixed` by weighted least squares; profiles take about a second.
+    """Fit the contact parameters that are not in `fixed` to speeds, by weighted least squares.
 
-    Raises InputError when all are fixed, when there are fewer speeds than free parameters
-    plus one, or when the theory gives nearly speed 0 to all walkers.
+    `profiles`: whether to compute intervals by profile likelihood, in about a second. Raises InputError when all are
+    fixed, when there are fewer speeds than free parameters plus one, or when the theory gives nearly speed 0 to all
+    walkers.
     """
     free = [name for name in RANGES if name not in fixed]
     dof = len(speeds.speed) - len(free)
@@ -108,94 +109,96 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
             f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8. Other models use priors, and accept any "
             "number of speeds"
         )
-    if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
+    if np.abs(speeds_per_factor(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
         raise InputError(
             "the theory predicts nearly speed 0 for all these walkers, as for all rigid legs. They do not constrain "
             "the contact. Add walkers with flexible, tilted legs"
         )
-    values, least = _find_best(speeds, fixed)
-    scale = 1.0 if speeds.se is not None else least / dof
+    values, min_chi2 = _find_best(speeds, fixed)
+    variance = 1.0 if speeds.se is not None else min_chi2 / dof
     slopes = jacobian(speeds, values, free) / _speed_errors(speeds)[:, None]
-    knowledge = _find_covariance(slopes / math.sqrt(max(scale, 1e-300)), values, free)
-    errors = knowledge.errors
+    uncertainty = _find_covariance(slopes / math.sqrt(max(variance, 1e-300)), values, free)
+    errors = uncertainty.errors
     intervals = {
-        name: _profile_interval(speeds, fixed, values, name, errors[name], least, scale)
+        name: _profile_interval(speeds, fixed, values, name, errors[name], min_chi2, variance)
         for name in (free if profiles else ())
     }
     chi2 = p_value = None
     if speeds.se is not None:
         from scipy.stats import chi2 as chi2_law
 
-        chi2, p_value = least, float(chi2_law.sf(least, dof))
-    notes = _notes(knowledge, values, intervals)
+        chi2, p_value = min_chi2, float(chi2_law.sf(min_chi2, dof))
+    notes = _notes(uncertainty, values, intervals)
     if chi2 is not None and p_value is not None and p_value <= 1e-3:
         notes.append(
             f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
             "does not describe these speeds within their errors, but the errors here assume it"
         )
-    predicted = values["impact_speed_factor"] * unit_speeds(speeds, values["restitution"], values["friction"])
+    predicted = values["impact_speed_factor"] * speeds_per_factor(speeds, values["restitution"], values["friction"])
     return ContactFit(
-        values, errors, intervals, knowledge.covariance, knowledge.correlation, chi2, dof, p_value, predicted, notes
+        values, errors, intervals, uncertainty.covariance, uncertainty.correlation, chi2, dof, p_value, predicted, notes
     )
 
 
 def _speed_errors(speeds: Speeds) -> Array:
+    """Return the standard errors of the speeds, or 1 for all if they are unknown."""
     return np.ones_like(speeds.speed) if speeds.se is None else speeds.se
 
 
 def _find_best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float], float]:
-    """Search the best parameters, with some held, and their chi2: by a grid, then by descent."""
+    """Find the best values of all parameters, given those in `fixed`, and their chi2: on a grid, then by descent."""
     from scipy.optimize import least_squares
 
     names = [name for name in SEARCH_GRID if name not in fixed]
     axes = [SEARCH_GRID[name] if name in names else np.array([fixed[name]]) for name in SEARCH_GRID]
     e, mu = np.meshgrid(*axes, indexing="ij")
-    errors, held = _speed_errors(speeds), fixed.get("impact_speed_factor")
+    errors, fixed_factor = _speed_errors(speeds), fixed.get("impact_speed_factor")
 
-    def residuals(unit: Array) -> Array:
-        scaled = (_best_factor(unit, speeds, held)[..., None] * unit - speeds.speed) / errors
+    def residuals(per_factor: Array) -> Array:
+        """Return residuals in standard errors, with the best factor for these speeds at factor 1."""
+        scaled = (_best_factor(per_factor, speeds, fixed_factor)[..., None] * per_factor - speeds.speed) / errors
         return np.asarray(scaled, dtype=float)
 
-    misfit = np.sum(residuals(unit_speeds(speeds, e, mu)) ** 2, axis=-1)
-    lowest = np.unravel_index(np.argmin(misfit), misfit.shape)
+    chi2 = np.sum(residuals(speeds_per_factor(speeds, e, mu)) ** 2, axis=-1)
+    lowest = np.unravel_index(np.argmin(chi2), chi2.shape)
     point = {"restitution": float(e[lowest]), "friction": float(mu[lowest])}
-    least = float(misfit[lowest])
+    min_chi2 = float(chi2[lowest])
     if names:
         low, high = np.array([RANGES[name] for name in names]).T
 
         def trial_residuals(trial: Array) -> Array:
-            now = point | dict(zip(names, trial, strict=True))
-            return residuals(unit_speeds(speeds, now["restitution"], now["friction"]))
+            values = point | dict(zip(names, trial, strict=True))
+            return residuals(speeds_per_factor(speeds, values["restitution"], values["friction"]))
 
         start = np.clip([point[name] for name in names], low, high)
         solution = least_squares(trial_residuals, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
-        if 2.0 * solution.cost < least:
-            least = 2.0 * float(solution.cost)
+        if 2.0 * solution.cost < min_chi2:
+            min_chi2 = 2.0 * float(solution.cost)
             point |= {name: float(value) for name, value in zip(names, solution.x, strict=True)}
-    unit = unit_speeds(speeds, point["restitution"], point["friction"])
-    return point | {"impact_speed_factor": float(_best_factor(unit, speeds, held))}, least
+    per_factor = speeds_per_factor(speeds, point["restitution"], point["friction"])
+    return point | {"impact_speed_factor": float(_best_factor(per_factor, speeds, fixed_factor))}, min_chi2
 
 
-def _best_factor(unit: Array, speeds: Speeds, held: float | None) -> Array:
-    """Return the best impact_speed_factor for speeds computed at factor 1, shape (..., n) to (...)."""
-    if held is not None:
-        return np.full(unit.shape[:-1], held)
+def _best_factor(per_factor: Array, speeds: Speeds, fixed_factor: float | None) -> Array:
+    """Return the best impact_speed_factor, shape (...), for speeds at factor 1, shape (..., n), unless it is fixed."""
+    if fixed_factor is not None:
+        return np.full(per_factor.shape[:-1], fixed_factor)
     weights = _speed_errors(speeds) ** -2.0
-    norm = np.sum(weights * unit**2, axis=-1)
-    best = np.sum(weights * unit * speeds.speed, axis=-1) / np.where(norm > 0, norm, 1.0)
+    norm = np.sum(weights * per_factor**2, axis=-1)
+    best = np.sum(weights * per_factor * speeds.speed, axis=-1) / np.where(norm > 0, norm, 1.0)
     result: Array = np.clip(best, *RANGES["impact_speed_factor"])
     return result
 
 
 def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -> Array:
-    """Compute the derivatives of the speeds by the free parameters, shape (n, free), by central differences."""
+    """Compute the derivatives of the speeds by the free parameters at `values`, shape (n, free)."""
     columns = []
     for name in free:
         step = 1e-5 * max(values[name], 0.01)
         low, high = RANGES[name]
         ends = [min(max(values[name] + side * step, low), high) for side in (-1, 1)]
         below, above = (
-            now["impact_speed_factor"] * unit_speeds(speeds, now["restitution"], now["friction"])
+            now["impact_speed_factor"] * speeds_per_factor(speeds, now["restitution"], now["friction"])
             for now in (dict(values) | {name: end} for end in ends)
         )
         columns.append((above - below) / (ends[1] - ends[0]))
@@ -208,16 +211,19 @@ def _profile_interval(
     values: Mapping[str, float],
     name: str,
     error: float | None,
-    least: float,
-    scale: float,
+    min_chi2: float,
+    increase: float,
 ) -> tuple[float | None, float | None]:
-    """Return the interval of a parameter outside which the best chi2 exceeds its minimum by `scale`."""
+    """Return the interval of the parameter `name` outside which the best chi2 exceeds `min_chi2` by `increase`.
+
+    `values` and `error`: best fit, and standard error of the parameter. An end outside its range is None.
+    """
     from scipy.optimize import brentq
 
     def excess(value: float) -> float:
         if value == values[name]:  # the search from a grid need not give `least` to every digit
-            return -scale
-        return _find_best(speeds, {**fixed, name: value})[1] - least - scale
+            return -increase
+        return _find_best(speeds, {**fixed, name: value})[1] - min_chi2 - increase
 
     ends: list[float | None] = []
     for side, limit in zip((-1, 1), RANGES[name], strict=True):
@@ -233,7 +239,7 @@ def _profile_interval(
     return ends[0], ends[1]
 
 
-class _Knowledge(NamedTuple):
+class _Uncertainty(NamedTuple):
     """Covariance of the parameters near the best fit, and names of those left undetermined."""
 
     errors: dict[str, float | None]
@@ -247,8 +253,11 @@ class _Knowledge(NamedTuple):
     """Eigenvalue of the normalised information for that combination."""
 
 
-def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
-    """Compute the covariance from the information's eigenvectors; `slopes` (n, free) in standard errors."""
+def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Uncertainty:
+    """Compute the covariance of the free parameters at `values`, from the eigenvectors of the information.
+
+    `slopes`: derivatives of the speeds by the parameters, in standard errors, shape (n, free).
+    """
     information = slopes.T @ slopes
     norm = np.sqrt(np.diag(information))
     weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
@@ -262,22 +271,22 @@ def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[
     widths = np.sqrt(np.diag(covariance))
     undetermined = unseen | (np.abs(vectors[:, ~resolved]) > 0.1).any(axis=1)
     width = np.where(widths > 0, widths, 1.0)
-    least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
-    return _Knowledge(
+    weakest = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
+    return _Uncertainty(
         {name: None if gone else float(error) for name, gone, error in zip(free, undetermined, widths, strict=True)},
         covariance,
         covariance / np.outer(width, width),
         [name for name, gone in zip(free, unseen, strict=True) if gone],
-        [name for name, part in zip(free, vectors[:, least], strict=True) if abs(part) > 0.2],
-        float(levels[least]),
+        [name for name, part in zip(free, vectors[:, weakest], strict=True) if abs(part) > 0.2],
+        float(levels[weakest]),
     )
 
 
 def _notes(
-    knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
+    uncertainty: _Uncertainty, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
 ) -> list[str]:
     """Return notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
-    errors, together = knowledge.errors, knowledge.together
+    errors, together = uncertainty.errors, uncertainty.together
 
     def is_vague(name: str) -> bool:
         error = errors[name]
@@ -286,10 +295,12 @@ def _notes(
         low, high = intervals.get(name) or (values[name] - error, values[name] + error)
         return low is None or high is None or high > MAX_INTERVAL_RATIO * low
 
-    notes = [f"{name}: none of these speeds depends on it. Measure other tilts, or fix it" for name in knowledge.unseen]
-    if knowledge.level <= MIN_EIGENVALUE and len(together) >= 2:
+    notes = [
+        f"{name}: none of these speeds depends on it. Measure other tilts, or fix it" for name in uncertainty.unseen
+    ]
+    if uncertainty.level <= MIN_EIGENVALUE and len(together) >= 2:
         names = ", ".join(together[:-1]) + f" and {together[-1]}"
-        evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
+        evidence = f"(smallest eigenvalue of the information {max(uncertainty.level, 0.0):.2g})"
         notes.append(
             f"{names} cannot be separated {evidence}: fix one, ‹fix› {together[0]}=..."
             if any(map(is_vague, together))

@@ -16,7 +16,7 @@ from walkergen.core.files.progress import Expect, Expected, Progress, ignore_est
 from walkergen.core.numerics import Array
 from walkergen.core.walker.limbs import Kind
 from walkergen.guests.lab.fit import emulated_speeds, identifiability, importance_sampling, posterior, surrogate_speeds
-from walkergen.guests.lab.fit.emulated_speeds import Ground, Setting
+from walkergen.guests.lab.fit.emulated_speeds import FitInputs, Setting
 from walkergen.guests.lab.fit.fields import FitFields
 from walkergen.guests.lab.fit.identifiability import Learnt
 from walkergen.guests.lab.fit.parameters import (
@@ -27,7 +27,7 @@ from walkergen.guests.lab.fit.parameters import (
     apply_fixed,
     list_unknowns,
 )
-from walkergen.guests.lab.fit.posterior import Observed, Posterior, Responds
+from walkergen.guests.lab.fit.posterior import Observed, Posterior, SpeedModel
 from walkergen.guests.lab.report import Setup, name_after
 from walkergen.points import effect_selection, emulator, run_time
 
@@ -83,10 +83,10 @@ class Learned(NamedTuple):
 def fit(
     request: FitFields, setup: Setup, held: Mapping[str, float], progress: Progress, expect: Expect = ignore_estimate
 ) -> Learned:
-    """Fit a model to a file of speeds.
+    """Fit a model to a file of speeds, with the parameters in `held` fixed.
 
-    Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
-    input.
+    Columns as in `theory.fit`. Simulated models also need speed_se_mm_s. `expect` receives the expected run time.
+    Raises InputError for unusable input.
     """
     model, path = request.model, request.speeds
     assert model != "theory"
@@ -96,28 +96,28 @@ def fit(
     seen, notes = _select_flexible(table, path, model)
     scene, design = apply_fixed(setup.scene, setup.design, held)
     prior = request.prior or DEFAULT_PRIOR
-    ground = Ground(scene, model, list_unknowns(scene, design, model, prior, held, seen.se is not None))
+    inputs = FitInputs(scene, model, list_unknowns(scene, design, model, prior, held, seen.se is not None))
     settings, observed = _group_by_setting(design, seen)
-    ahead = _predicted_settings(request.predict, design, seen, settings)
+    unmeasured = _predicted_settings(request.predict, design, seen, settings)
     if model != "prediction":
         effect_selection.check_no_accepted_error(scene, "a fit needs all effects of the scene")
-        expect(lambda: _expected_time(ground, settings, ahead))
-    respond = _sample_by_table if model == "prediction" else _sample_by_runs
-    sampled, responses, later = respond(ground, settings, observed, ahead, progress)
-    parameters = ground.unknown.parameters
-    bands = _predict_bands(ground, settings, responses, sampled, True) + _predict_bands(
-        ground, ahead, later, sampled, False
+        expect(lambda: _expected_time(inputs, settings, unmeasured))
+    sample_posterior = _sample_with_surrogate if model == "prediction" else _sample_with_runs
+    sampled, responses, unmeasured_responses = sample_posterior(inputs, settings, observed, unmeasured, progress)
+    parameters = inputs.unknown.parameters
+    bands = _predict_bands(inputs, settings, responses, sampled, True) + _predict_bands(
+        inputs, unmeasured, unmeasured_responses, sampled, False
     )
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
     rows = identifiability.summarise_draws(parameters, sampled.draws)
     notes = [
         *identifiability.unlearnt_notes(rows),
-        *identifiability.trade_off_notes(ground.unknown.simulated, sampled.draws),
+        *identifiability.trade_off_notes(inputs.unknown.simulated, sampled.draws),
         *identifiability.misfit_notes(sampled, len(seen.speed), model),
         *identifiability.disagreement_notes(parameters, rows),
         *notes,
-        *_caveats(ground),
+        *_caveats(inputs),
     ]
     return Learned(
         sampled, seen, rows, bands, notes, _fitted_scene(model, scene, rows, path), _fitted_design(design, rows, path)
@@ -125,7 +125,7 @@ def fit(
 
 
 def _select_flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
-    """Return the rows of flexible walkers with their errors, and notes on the omitted rows."""
+    """Return the rows of walkers with flexible legs, and notes on omitted rows. Raises InputError if there are none."""
     if not len(table.speed):
         raise InputError(f"{path}: no row is usable: {table.bad}")
     if table.se is None and model != "prediction":
@@ -151,9 +151,9 @@ def _select_flexible(table: Measured, path: Path, model: ModelName) -> tuple[Mea
 
 
 def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
-    """Group the rows by settings, and return these with the speeds of each. Raises InputError for too many."""
+    """Return the different pairs of tilt and plate speed, with the speeds of each. Raises InputError for too many."""
     pairs = np.column_stack([seen.tilt, seen.plate_speed])
-    different, places = np.unique(pairs, axis=0, return_inverse=True)
+    different, indices = np.unique(pairs, axis=0, return_inverse=True)
     if len(different) > MAX_SETTINGS:
         raise InputError(
             f"{len(different)} pairs of tilt and plate speed; at most {MAX_SETTINGS}. Give prints "
@@ -161,7 +161,7 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
     settings = [Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)]
-    rows = [np.ravel(places) == place for place in range(len(different))]
+    rows = [np.ravel(indices) == place for place in range(len(different))]
     se = np.full(len(seen.speed), measured.MIN_VALUE_MM_S) if seen.se is None else seen.se
     return settings, [Observed(seen.speed[row], se[row]) for row in rows]
 
@@ -169,7 +169,7 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
 def _predicted_settings(
     wanted: Sequence[float] | None, design: Design, seen: Measured, settings: Sequence[Setting]
 ) -> list[Setting]:
-    """Return the settings to predict: tilts not measured, on the plate that most rows were measured on."""
+    """Return the settings to predict: `wanted` (or the family's) tilts not measured on the plate of most rows."""
     plates, counts = np.unique(seen.plate_speed, return_counts=True)
     plate = float(plates[np.argmax(counts)])
     tilts = design.family.tilt_deg if wanted is None else wanted
@@ -182,99 +182,110 @@ def _predicted_settings(
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 
 
-def _sample_by_table(
-    ground: Ground,
+def _sample_with_surrogate(
+    inputs: FitInputs,
     settings: Sequence[Setting],
     observed: Sequence[Observed],
-    ahead: Sequence[Setting],
+    unmeasured: Sequence[Setting],
     progress: Progress,
-) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
-    """Compute the posterior from the table, and its predictions of measured and further settings."""
-    responses, later = (surrogate_speeds.responses(ground, some) for some in (settings, ahead))
-    seed = ground.scene.run.seed
-    sampled = importance_sampling.sample(ground.unknown.sampled, observed, responses, seed, progress)
-    return sampled, responses, later
+) -> tuple[Posterior, Sequence[SpeedModel], Sequence[SpeedModel]]:
+    """Sample the posterior with the surrogate's speeds.
+
+    Returns also the functions that predict the speeds in the measured settings, and in the `unmeasured` ones.
+    """
+    responses, unmeasured_responses = (surrogate_speeds.responses(inputs, some) for some in (settings, unmeasured))
+    seed = inputs.scene.run.seed
+    sampled = importance_sampling.sample(inputs.unknown.sampled, observed, responses, seed, progress)
+    return sampled, responses, unmeasured_responses
 
 
-def _sample_by_runs(
-    ground: Ground,
+def _sample_with_runs(
+    inputs: FitInputs,
     settings: Sequence[Setting],
     observed: Sequence[Observed],
-    ahead: Sequence[Setting],
+    unmeasured: Sequence[Setting],
     progress: Progress,
-) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
+) -> tuple[Posterior, Sequence[SpeedModel], Sequence[SpeedModel]]:
     """Sample the posterior with emulators over the prior, refined by walkers drawn from a first posterior.
 
-    Returns also emulators of the measured settings and, over the posterior alone, of those ahead.
+    Returns also emulators of the measured settings, and of the `unmeasured` ones over the posterior alone.
     """
     progress("kernels", 0, 1)
-    seed = ground.scene.run.seed
-    x = emulated_speeds.sample_parameters(ground, PRIOR_WALKERS)
-    y = emulated_speeds.simulate_batches(ground, settings, x, progress, 0)
-    parameters, responses = ground.unknown.parameters, _fit_responses(ground, settings, x, y)
+    seed = inputs.scene.run.seed
+    x = emulated_speeds.sample_parameters(inputs, PRIOR_WALKERS)
+    y = emulated_speeds.simulate_batches(inputs, settings, x, progress, 0)
+    parameters, responses = inputs.unknown.parameters, _fit_responses(inputs, settings, x, y)
     with emulator.single_thread():
         first = importance_sampling.sample(parameters, observed, responses, seed, progress)
-    drawn = _thin_draws(first, ground, POSTERIOR_WALKERS)
-    more = emulated_speeds.simulate_batches(ground, settings, drawn, progress, 1)
+    drawn = _thin_draws(first, inputs, POSTERIOR_WALKERS)
+    more = emulated_speeds.simulate_batches(inputs, settings, drawn, progress, 1)
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
-    responses = _fit_responses(ground, settings, x, y)
+    responses = _fit_responses(inputs, settings, x, y)
     with emulator.single_thread():
         sampled = importance_sampling.sample(parameters, observed, responses, seed, progress)
-    drawn = _thin_draws(sampled, ground, AHEAD_WALKERS)
-    y = emulated_speeds.simulate_batches(ground, ahead, drawn, progress, 2)
-    return sampled, responses, _fit_responses(ground, ahead, drawn, y)
+    drawn = _thin_draws(sampled, inputs, AHEAD_WALKERS)
+    y = emulated_speeds.simulate_batches(inputs, unmeasured, drawn, progress, 2)
+    return sampled, responses, _fit_responses(inputs, unmeasured, drawn, y)
 
 
-def _expected_time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[Setting]) -> Expected:
-    """Estimate the time of a fit: of its runs, from a moment in each setting, and of learning from them."""
-    counts = [PRIOR_WALKERS + POSTERIOR_WALKERS] * len(settings) + [AHEAD_WALKERS] * len(ahead)
-    costs = (emulated_speeds.cpu_seconds(ground, setting) for setting in [*settings, *ahead])
+def _expected_time(inputs: FitInputs, settings: Sequence[Setting], unmeasured: Sequence[Setting]) -> Expected:
+    """Estimate the time of a fit: of its runs, from the cost of one run in each setting, and of learning from them."""
+    counts = [PRIOR_WALKERS + POSTERIOR_WALKERS] * len(settings) + [AHEAD_WALKERS] * len(unmeasured)
+    costs = (emulated_speeds.cpu_seconds(inputs, setting) for setting in [*settings, *unmeasured])
     runs_s = sum(run_time.wall_time(each_s, count) for each_s, count in zip(costs, counts, strict=True))
     return Expected(runs_s + LEARNING_S)
 
 
-def _thin_draws(sampled: Posterior, ground: Ground, count: int) -> Array:
-    """Return evenly chosen draws of the posterior, (count, simulated parameters)."""
-    wide = len(ground.unknown.simulated)
+def _thin_draws(sampled: Posterior, inputs: FitInputs, count: int) -> Array:
+    """Return `count` draws, evenly spaced in the posterior, of the simulated parameters: shape (count, simulated)."""
+    wide = len(inputs.unknown.simulated)
     return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 
 
-def _fit_responses(ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]) -> list[Responds]:
-    differ = ground.unknown.prints_differ
+def _fit_responses(inputs: FitInputs, settings: Sequence[Setting], x: Array, y: Sequence[Array]) -> list[SpeedModel]:
+    """Fit an emulator in each setting to the speeds `y`, shape (n,) each, at parameters `x`, shape (n, simulated)."""
+    differ = inputs.unknown.prints_differ
     return [
         emulated_speeds.fit_response(x, speeds, setting, differ) for setting, speeds in zip(settings, y, strict=True)
     ]
 
 
 def _predict_bands(
-    ground: Ground, settings: Sequence[Setting], responses: Sequence[Responds], sampled: Posterior, is_measured: bool
+    inputs: FitInputs,
+    settings: Sequence[Setting],
+    responses: Sequence[SpeedModel],
+    sampled: Posterior,
+    is_measured: bool,
 ) -> list[Band]:
-    """Compute bands in settings from the posterior, the emulators' errors and the scatter of prints."""
+    """Compute bands of the speed of a new print in each setting, with the emulators' errors and the scatter of prints.
+
+    `is_measured`: whether these are the settings whose speeds were fitted.
+    """
     bands = []
     for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
-        rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
+        rng = np.random.default_rng([inputs.scene.run.seed, number, is_measured])
         speeds = posterior.speed_draws(sampled.draws, response, rng)
         _, _, scatter = response(sampled.draws[:: posterior.KEPT_DRAWS // 64])
         ends = [float(end) for end in np.quantile(speeds, BAND_LEVELS)]
-        place = (setting.tilt, setting.plate_speed, int(is_measured))
-        bands.append(Band._make((*place, *ends, float(np.median(scatter)))))
+        key = (setting.tilt, setting.plate_speed, int(is_measured))
+        bands.append(Band._make((*key, *ends, float(np.median(scatter)))))
     return bands
 
 
-def _caveats(ground: Ground) -> list[str]:
+def _caveats(inputs: FitInputs) -> list[str]:
     """Return notes on errors that the bands do not include."""
     notes = [
         "scene.toml and design.toml hold means and standard deviations. Correlations of parameters are in "
         "posterior.csv, and only bands.csv includes them"
     ]
-    if ground.model == "space" and not ground.unknown.prints_differ:
+    if inputs.model == "space" and not inputs.unknown.prints_differ:
         notes.insert(0, "the scene has no unevenness: bands exclude differences between prints")
     return notes
 
 
 def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
-    """Return the scene with the fitted values; held values keep the scene's standard deviations."""
+    """Return the scene with the fitted values, named after the file `path`. Held values keep the scene's deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
         if row.name == "tip_radius_um":  # log-normal: the factor from the 68 % interval
@@ -289,7 +300,7 @@ def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: 
 
 
 def _fitted_design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
-    """Return the design with the fitted values of its legs and material."""
+    """Return the design with the fitted values of its legs and material, named after the file of speeds."""
     data: dict[str, Any] = {"legs": {}, "material": {}} | design.model_dump(exclude_unset=True)
     for row in rows:
         if row.name == "thickness_mm":

@@ -59,15 +59,15 @@ class Parameter(NamedTuple):
     prior: Input
     flat: bool
 
-    def quantiles(self, shares: Array) -> Array:
-        """Return the values below which these shares of the prior lie; any shape."""
+    def quantiles(self, probabilities: Array) -> Array:
+        """Return the quantiles of the prior at these probabilities, as an array of the same shape."""
         if self.flat:
-            return self.prior.low + shares * (self.prior.high - self.prior.low)
-        return uncertain_inputs.input_quantiles(self.prior, shares)
+            return self.prior.low + probabilities * (self.prior.high - self.prior.low)
+        return uncertain_inputs.input_quantiles(self.prior, probabilities)
 
     @property
     def statement(self) -> str:
-        """Statement of the prior."""
+        """The prior as text, such as 0.3 ± 0.05."""
         prior = self.prior
         if prior.factor:
             return f"{formatting.format_number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
@@ -95,7 +95,7 @@ class Unknown(NamedTuple):
 
     @property
     def sampled(self) -> tuple[Parameter, ...]:
-        """Inputs of a table: fitted parameters, and inputs shared by all prints of a printer."""
+        """Inputs of the surrogate: fitted parameters, and inputs that all prints of a printer share."""
         return (*self.parameters, *(Parameter(varying.name, varying, False) for varying in self.printed))
 
     @property
@@ -105,13 +105,13 @@ class Unknown(NamedTuple):
 
 
 def list_unknowns(
-    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], errors: bool = True
+    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], has_se: bool = True
 ) -> Unknown:
     """List the parameters to fit and the inputs that differ from print to print.
 
-    Thickness, Young's modulus and damping have the standard deviations of design and scene as
-    priors; without one they are held. Speeds without `errors` of their own tell their scatter from
-    print to print. Raises InputError when nothing is left to learn.
+    Thickness, Young's modulus and damping have the standard deviations of design and scene as priors. Without one, or
+    if in `fixed`, they are not fitted. If not `has_se`, the measured speeds have no standard errors, and their scatter
+    between prints is fitted too. Raises InputError when nothing is left to fit.
     """
     inputs = {entry.name: entry for entry in uncertain_inputs.inputs(scene, design, model)}
     parameters: list[Parameter] = []
@@ -135,11 +135,11 @@ def list_unknowns(
         )
     printed = tuple(inputs[name] for name in PRINT_INPUTS if name in inputs)
     scatter = Parameter(SCATTER_NAME, Input(SCATTER_NAME, 0.0, PRIOR_SCATTER_SD), False)
-    return Unknown(tuple(parameters), printed, () if errors else (scatter,))
+    return Unknown(tuple(parameters), printed, () if has_se else (scatter,))
 
 
 def apply_fixed(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
-    """Return scene and design with the fixed values. Raises GeometryError for legs that are too thick."""
+    """Return scene and design with the fixed values, by name. Raises GeometryError for legs that are too thick."""
     values = {PARAMETER_KEYS[name]: value for name, value in fixed.items()}
     if scene.drive.kind == "plate" and (
         wrong := {uncertain_inputs.FREQUENCY_KEY, uncertain_inputs.MOMENT_KEY} & set(values)
@@ -149,7 +149,7 @@ def apply_fixed(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tup
     return scene, design
 
 
-def prior_values(parameters: Sequence[Parameter], shares: Array) -> Array:
-    """Return values of the parameters from shares of their priors, shape (n, parameters)."""
-    columns = [parameter.quantiles(shares[:, place]) for place, parameter in enumerate(parameters)]
+def prior_values(parameters: Sequence[Parameter], probabilities: Array) -> Array:
+    """Return the quantiles of the parameters' priors at these probabilities, both of shape (n, parameters)."""
+    columns = [parameter.quantiles(probabilities[:, number]) for number, parameter in enumerate(parameters)]
     return np.column_stack(columns)

@@ -12,8 +12,8 @@ from walkergen.core.numerics import Array
 from walkergen.points.emulator import single_thread
 
 
-class Responds(Protocol):
-    """Speed of a setting over the parameters."""
+class SpeedModel(Protocol):
+    """Function that predicts the speed of a walker in one setting from the parameters."""
 
     def __call__(self, x: Array, /) -> tuple[Array, Array, Array]:
         """Return the mean, the common error of all prints, and the scatter between prints, each (k,), mm/s.
@@ -48,10 +48,11 @@ class Posterior(NamedTuple):
     """Sum of squared residuals at the best draw, over the variances of the model."""
 
 
-def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[Responds]) -> tuple[Array, Array]:
-    """Return the log-likelihood of parameters x (k, parameters), and chi2, each of shape (k,).
+def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[SpeedModel]) -> tuple[Array, Array]:
+    """Return the log-likelihood of each row of parameters `x`, shape (k, parameters), and chi2, each of shape (k,).
 
-    Prints scatter on their own; the error of an emulator is common to all prints of its setting.
+    `observed` and `responses`: measured speeds, and the function that predicts them, in each setting. Prints scatter
+    independently. The error of an emulator is common to all prints of its setting.
     """
     total, squares = np.zeros(len(x)), np.zeros(len(x))
     for seen, response in zip(observed, responses, strict=True):
@@ -68,8 +69,8 @@ def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[R
     return total, squares
 
 
-def speed_draws(x: Array, response: Responds, rng: np.random.Generator) -> Array:
-    """Draw the speed of a new print for each draw of the parameters, shape (k,)."""
+def speed_draws(x: Array, response: SpeedModel, rng: np.random.Generator) -> Array:
+    """Draw the speed (mm/s) of a new print for each row of parameters `x`, shape (k, parameters). Shape (k,)."""
     with single_thread():
         mean, sd, scatter = response(x)
     return np.asarray(mean + np.hypot(sd, scatter) * rng.normal(size=len(x)))

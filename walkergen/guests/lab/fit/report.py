@@ -35,12 +35,12 @@ class FitReport(LabReport):
 
     @property
     def bands(self) -> Table:
-        """Speeds of one more print at every tilt, with bounds, mm/s. The model theory has none."""
+        """Table of the predicted speeds (mm/s) of another print at every tilt, with bounds. Not of the model theory."""
         return self["bands"]
 
 
 def make_theory_report(fitted: Fitted, setup: Setup, caption: str, path: Path, folder: Path) -> FitReport:
-    """Report of the theory's contact, fitted to a file of speeds."""
+    """Make the report of the theory's contact, fitted to the file of speeds `path`."""
     fit = fitted.fit
     rows = [
         (name, value, fit.errors.get(name), *fit.intervals.get(name, (None, None)), _origin(fit, name))
@@ -83,12 +83,12 @@ def make_theory_report(fitted: Fitted, setup: Setup, caption: str, path: Path, f
 
         return figures.draw_fit(fitted.seen, fitted.curves, path.name)
 
-    said = [format_quality(fit), *format_correlations(fit)]
-    return _make_report(path, caption, tables, facts, said, fitted, setup.design, draw, folder)
+    lines = [format_quality(fit), *format_correlations(fit)]
+    return _make_report(path, caption, tables, facts, lines, fitted, setup.design, draw, folder)
 
 
 def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) -> FitReport:
-    """Report a model's fit to a file of speeds."""
+    """Make the report of a model fitted to the file of speeds `path`."""
     posterior = learned.posterior
     columns = (
         Column("parameter", lambda row: row.name.replace("_", " ")),
@@ -96,15 +96,18 @@ def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) 
         report.interval_column("95 % interval", "low_95", "high_95", 3),
         report.text_column("before", "prior"),
     )
-    few = np.linspace(0, len(posterior.draws) - 1, min(MAX_DRAWS, len(posterior.draws))).round().astype(int)
-    by = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
+    kept = np.linspace(0, len(posterior.draws) - 1, min(MAX_DRAWS, len(posterior.draws))).round().astype(int)
+    bands_by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
     settings = zip(map(float, learned.seen.tilt), map(float, learned.seen.plate_speed), strict=True)
-    bounds = [(by[setting].speed_mm_s, by[setting].low_95, by[setting].high_95) for setting in settings]
+    bounds = [
+        (bands_by_setting[setting].speed_mm_s, bands_by_setting[setting].low_95, bands_by_setting[setting].high_95)
+        for setting in settings
+    ]
     tables = [
         Table("fit", learned.rows, ("parameter", *learned.rows[0]._fields[1:]), columns, "Parameters"),
         report.table_from_rows("bands", learned.bands, BAND_COLUMNS, "Speeds of one more print"),
         _speed_table(learned.seen, bounds, (*SPEED_COLUMNS, "low_95", "high_95")),
-        Table("posterior", posterior.draws[few].tolist(), [row.name for row in learned.rows]),
+        Table("posterior", posterior.draws[kept].tolist(), [row.name for row in learned.rows]),
     ]
     facts = {
         "parameters": {row.name: row._asdict() for row in learned.rows},
@@ -133,20 +136,20 @@ def _make_report(
     caption: str,
     tables: Sequence[Table],
     facts: Mapping[str, Any],
-    said: Sequence[str],
+    lines: Sequence[str],
     result: Fitted | Learned,
     design: Any,
     draw: "Callable[[], Figure]",
     folder: Path,
 ) -> FitReport:
-    """Report of either kind of fit."""
+    """Make the report of a fit by the theory or by a model. `lines`: its first lines. `draw`: draws its figure."""
     return FitReport(
         name="fit",
         title=path.name,
         caption=caption,
         tables=tables,
         facts={**facts, "notes": result.notes},
-        lines=[*said, *result.notes],
+        lines=[*lines, *result.notes],
         figures={"fit": draw},
         folder=folder,
         scene=result.scene,
@@ -157,7 +160,7 @@ def _make_report(
 
 
 def _speed_table(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
-    """Return measured speeds with fitted speeds, or with speeds predicted for one more print."""
+    """Return the table of measured speeds. Each row ends on its tuple in `fitted`. `keys`: names of all columns."""
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     measured = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
     return Table("speeds", [(*row, *bounds) for row, bounds in zip(measured, fitted, strict=True)], keys)
@@ -168,7 +171,7 @@ def _origin(fit: ContactFit, name: str) -> str:
 
 
 def _format_value(value: float, se: float | None, origin: str) -> str:
-    """Format a parameter's value with its error."""
+    """Format a parameter's value, with its standard error `se` unless `origin` is "given"."""
     if origin == "given":
         return formatting.format_number(value, 6)
     return f"{formatting.format_number(value, 4)} ± unknown" if se is None else formatting.format_with_error(value, se)
@@ -184,7 +187,7 @@ def format_quality(fit: ContactFit) -> str:
 
 
 def format_correlations(fit: ContactFit) -> Iterator[str]:
-    """Yield the correlations of all pairs of fitted parameters in one line; nothing for a single parameter."""
+    """Yield one line with the correlations of all pairs of fitted parameters, or nothing for a single parameter."""
     pairs = [
         f"{first}, {second}: {fit.correlation[i, j]:+.3f}"
         for (i, first), (j, second) in combinations(enumerate(fit.free), 2)

@@ -16,11 +16,11 @@ from walkergen.core.theory import prediction, surrogate
 from walkergen.core.theory.networks import LINEAR_BELOW
 from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.theory.uncertain_inputs import Drawn
-from walkergen.guests.lab.fit.emulated_speeds import STILL_SPEED_RATIO, Ground, Setting, plate_scene
+from walkergen.guests.lab.fit.emulated_speeds import STILL_SPEED_RATIO, FitInputs, Setting, plate_scene
 from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
 
-class Tabled(NamedTuple):
+class SurrogateSpeed(NamedTuple):
     """Speed of a setting over the parameters, from the surrogate."""
 
     setting: Setting
@@ -29,25 +29,25 @@ class Tabled(NamedTuple):
     """Inputs in the order of the columns."""
 
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
-        """Return mean speed, its common error of all prints, and the scatter between prints, (k,), mm/s.
+        """Return mean speed, its common error of all prints, and the scatter between prints, each (k,), mm/s.
 
-        Shared are the errors of the surrogate and of the model itself, `prediction.model_sd`.
+        `x`: values of `inputs`, shape (k, inputs). The common error is that of the surrogate and of the model itself.
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
         plate, speeds = self.setting.plate_speed, self.known.sample_speeds(drawn)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
         mean = plate * speeds.speed_ratios(0.0)
-        learnt = drawn.input_values(SCATTER_NAME, 0.0) * np.hypot(mean, STILL_SPEED_RATIO * plate)
+        print_scatter = drawn.input_values(SCATTER_NAME, 0.0) * np.hypot(mean, STILL_SPEED_RATIO * plate)
         shared = np.hypot(slope * speeds.error, prediction.model_error_sd(mean, self.known.scene))
-        return mean, shared, np.hypot(slope * speeds.between_prints, learnt)
+        return mean, shared, np.hypot(slope * speeds.between_prints, print_scatter)
 
 
-def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
-    """Return the speeds of every setting from the surrogate. Raises InputError for settings outside its domain."""
-    names = tuple(parameter.prior.name for parameter in ground.unknown.sampled)
+def responses(inputs: FitInputs, settings: Sequence[Setting]) -> list[SurrogateSpeed]:
+    """Return functions that predict the speed in each setting by the surrogate. Raises InputError where it cannot."""
+    names = tuple(parameter.prior.name for parameter in inputs.unknown.sampled)
     by_setting = []
     for setting in settings:
-        scene, design = plate_scene(ground.scene, setting), setting.design
+        scene, design = plate_scene(inputs.scene, setting), setting.design
         try:
             known = surrogate.case_in_domain(scene, design, mass_of(design), within_goal=False)
         except UnknownError as error:
@@ -55,5 +55,5 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
                 f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: fit simulated speeds, "
                 "‹model=›space, or leave this tilt out"
             ) from None
-        by_setting.append(Tabled(setting, known, names))
+        by_setting.append(SurrogateSpeed(setting, known, names))
     return by_setting

@@ -71,12 +71,12 @@ def fit(request: FitFields, setup: Setup, held: Mapping[str, float], progress: P
 
 
 def _make_speeds(
-    design: Design, mode: Mode, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array
+    design: Design, mode: Mode, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate_speed: Array
 ) -> Speeds:
-    """Return the speeds with the theory's inputs for walkers with these tilts (deg) and legs."""
+    """Return speeds, their errors and plate speeds (mm/s) with the theory's inputs for these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
     masses = [mass_of(design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
-    return Speeds(speed, se, plate, *least_squares.inverse_mass_tensors(masses), mode)
+    return Speeds(speed, se, plate_speed, *least_squares.inverse_mass_tensors(masses), mode)
 
 
 def _fitted_scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
@@ -98,9 +98,9 @@ def _fitted_curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     """Return tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
-    along = _make_speeds(fitted.design, fitted.speeds.mode, tilt, [kind] * len(tilt), ones, None, ones)
+    points = _make_speeds(fitted.design, fitted.speeds.mode, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
-    unit = least_squares.unit_speeds(along, values["restitution"], values["friction"])
-    slopes = least_squares.jacobian(along, values, result.free)
+    per_factor = least_squares.speeds_per_factor(points, values["restitution"], values["friction"])
+    slopes = least_squares.jacobian(points, values, result.free)
     variance = np.einsum("ni,ij,nj->n", slopes, result.covariance, slopes)
-    return tilt, values["impact_speed_factor"] * unit, np.sqrt(np.maximum(variance, 0.0))
+    return tilt, values["impact_speed_factor"] * per_factor, np.sqrt(np.maximum(variance, 0.0))

@@ -57,8 +57,7 @@ class Marked(NamedTuple):
 
     plane: Plane
     straight: Sequence[Array]
-    """Corners of each walker's marker by a lens that does not bend, shape (n, 4, 2), pixels; see
-    `markers.Sighted`."""
+    """Corners of each walker's marker by a lens that does not bend, shape (n, 4, 2), pixels; see `markers.Sighted`."""
     left_out: LeftOut
     empty: Whole
     """Numbers of the frames without a marker."""

@@ -1,10 +1,9 @@
 """Markers in a frame: their numbers and corners, found by OpenCV and placed by their edges.
 
-OpenCV's detector reads which marker stands where. Its corners pull inward where a picture is
-blurred; here each side of the black square is a straight line through the places where brightness
-steps from black to white, by the centroid of its change across the side. That is linear in the
-brightness, so that neither noise nor a blur that is the same on both sides moves it. Lines meet in
-corners.
+OpenCV's detector reads which marker stands where. Its corners pull inward where a picture is blurred; here each side of
+the black square is a straight line through the places where brightness steps from black to white, by the centroid of
+its change across the side. That is linear in the brightness, so that neither noise nor a blur that is the same on both
+sides moves it. Lines meet in corners.
 """
 
 from typing import Any, NamedTuple

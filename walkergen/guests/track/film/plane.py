@@ -52,8 +52,7 @@ class Plane(NamedTuple):
     def to_mm(self, pixels: Array) -> Array:
         """Map points of the picture, shape (..., 2), to the plane.
 
-        The middle of the picture lies where a camera straight above would see it from the picture's
-        lower left corner.
+        The middle of the picture lies where a camera straight above would see it from the picture's lower left corner.
         """
         corner = np.array([self.middle[0], self.middle[1]]) * self.mm_per_px
         return corner + _map_points(self.terms, self._to_centred(pixels))
