@@ -29,10 +29,7 @@ MAX_EXPONENT_SE = 0.5
 
 @style()
 def draw_msd(motion: Motion, title: str) -> Figure:
-    """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a).
-
-    Below it stands its local exponent.
-    """
+    """Draw the mean squared displacement with ballistic and diffusive limits (fig. 6a), above its local exponent."""
     figure, (axes, lower) = new_panels(title, (2.5, 1.2))
     lag, value = motion.msd.at, motion.msd.value
     draw_points(axes, motion.msd, label="measured")
@@ -71,7 +68,7 @@ def draw_msd(motion: Motion, title: str) -> Figure:
 
 
 def _draw_exponents(axes: Axes, exponent: Curve) -> None:
-    """Draw local exponents between those of diffusion and of a straight run."""
+    """Draw local exponents against lag, with levels at 1 (diffusion) and 2 (a straight run)."""
     # Walkers begin straight and end diffusing: words stand where the points are not.
     for value, limit, at, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
         draw_level(axes, value)
@@ -99,7 +96,7 @@ def draw_density(motion: Motion, title: str) -> Figure:
 
 @style()
 def draw_correlation(motion: Motion, title: str) -> Figure:
-    """Draw how direction is lost: the modulus of its autocorrelation, with the fitted decay."""
+    """Draw the modulus of the autocorrelation of the direction against lag, with the fitted decay."""
     figure, axes = new_axes(title)
     draw_points(axes, motion.correlation, label="measured")
     rate = motion.estimates["persistence_rate"].value

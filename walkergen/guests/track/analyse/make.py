@@ -23,10 +23,10 @@ def analyse(
 ) -> AnalysisReport:
     """Read tracks, measure their motion and, if there is a folder, write tables and figures.
 
-    Motion is that between the walls of an `arena`, or those that the tracks show, on a plate that descends toward
-    `descent` (rad; None: it is level). Writes analysis.csv, analysis.md, walkers.csv, msd.csv, density.csv,
-    correlation.csv, or at several plate speeds plate_speed.csv in place of these curves, figures as PNG and PDF,
-    manifest.json. Raises InputError before anything is written.
+    `lag_s`: lag of displacements, None for the default. Walls are those of an `arena`, or those that the tracks show.
+    The plate descends toward `descent` (rad), or is level if None. Writes analysis.csv, analysis.md, walkers.csv,
+    msd.csv, density.csv, correlation.csv, or at several plate speeds plate_speed.csv in place of these curves, figures
+    as PNG and PDF, manifest.json. Raises InputError before anything is written.
     """
     progress("reading", 0, 3)
     read = track_files.read_tracks(path, units)

@@ -86,7 +86,7 @@ def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None 
         caption=f"{title}, displacements within {1e3 * motion.lag_s:g} ms",
         tables=list(_tables(motion)),
         facts=facts.from_motion(motion) | more,
-        lines=[*counted, *_format_line(motion), *notes],
+        lines=[*counted, *_describe_line(motion), *notes],
         figures={name: partial(draw, name) for name in _figure_names(motion)},
         folder=folder,
         motion=motion,
@@ -95,6 +95,7 @@ def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None 
 
 
 def _tables(motion: Motion) -> Iterator[Table]:
+    """Yield the tables of a motion: estimates, walkers, and speeds by plate speed or curves."""
     estimates = {number.column: number for number in map(motion.estimates.__getitem__, UNITS)}
     rows = [
         (key, number.value, number.se, facts.scale_se(number, motion), *facts.interval_bounds(number), number.refused)
@@ -124,6 +125,7 @@ def _format_with_scale(number: Quantity, motion: Motion) -> str:
 
 
 def _plate_speed_table(motion: Motion) -> Table:
+    """Return the table of mean speeds by plate speed."""
     speeds = dict(motion.by_plate_speed)
     rows = [
         (plate, speed.value, speed.se, facts.scale_se(speed, motion), speed.refused) for plate, speed in speeds.items()
@@ -156,12 +158,12 @@ def _walker_table(motion: Motion) -> Table:
 
 
 def _walker_cell(name: str, alone: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
-    """Return the cell of a number of each single walker."""
+    """Return a function from a row to the text of the walker's estimate `name`. `alone`: walkers by number."""
     return lambda row: quantity_format.format_value(alone[row[0]].mean(name))
 
 
-def _format_line(motion: Motion) -> Iterator[str]:
-    """Describe the line through the origin, for tracks at several plate speeds."""
+def _describe_line(motion: Motion) -> Iterator[str]:
+    """Yield a description of the line through the origin, for tracks at several plate speeds."""
     line = motion.line
     if line is None:
         return
@@ -175,7 +177,7 @@ def _format_line(motion: Motion) -> Iterator[str]:
 
 
 def _curve_tables(motion: Motion) -> Iterator[Table]:
-    """Yield the tables of the curves, for CSV and Python only."""
+    """Yield the tables of the curves, which the report does not print."""
     squared = (*motion.msd, facts.scale_errors(motion), *motion.exponent[1:])
     keys = ("lag_s", "msd_mm2", "se_mm2", "scale_se_mm2", "exponent", "exponent_se")
     yield Table("msd", facts.curve_points(squared), keys)
@@ -186,7 +188,7 @@ def _curve_tables(motion: Motion) -> Iterator[Table]:
 
 
 def _figure_names(motion: Motion) -> Iterator[str]:
-    """Yield the names of the figures that the motion allows."""
+    """Yield the names of the figures for which the motion has data."""
     yield "trajectories"
     if motion.by_plate_speed:
         yield "plate_speed"

@@ -82,7 +82,7 @@ class Appearance(NamedTuple):
     """Width of the walkers, pixels: twice the largest distance from their edge."""
 
     def contrasts(self, frame: Grey) -> Floats:
-        """Compute contrasts of pixels with the ground, positive on walkers, corrected for flickering lamps."""
+        """Return contrasts of pixels with the ground, positive on walkers, corrected for flickering lamps."""
         lamp, gain = self._light_and_gain(frame)
         sharp = (frame - lamp * self.ground) * (-gain if self.dark else gain)
         return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
@@ -94,7 +94,7 @@ class Appearance(NamedTuple):
         return np.asarray(slope * gain, np.float32)
 
     def _light_and_gain(self, frame: Grey) -> tuple[float, Floats]:
-        """Return the light of a frame over that of the picture, and the factor of contrasts in dark places."""
+        """Return the frame's light over the still picture's, and the factor from brightness to contrast by pixel."""
         step = max(1, int(np.sqrt(frame.size / MEDIAN_PIXELS)))
         few = np.s_[::step, ::step]
         lamp = float(np.median(frame[few] / np.maximum(self.picture[few], 1.0)))
@@ -106,8 +106,9 @@ class Appearance(NamedTuple):
 def learn_appearance(
     samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
 ) -> Appearance:
-    """Measure the appearance of a film from some of its frames, including the values that are None here.
+    """Measure the appearance of a film from some of its frames.
 
+    `dark` (are walkers darker than the ground?), `threshold` (contrast) and `width` (pixels) are measured if None.
     Raises InputError, with the findings, if nothing stands out.
     """
     picture = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0).astype(np.float32), 1.0)
@@ -137,7 +138,7 @@ def learn_appearance(
 
 
 def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:
-    """Find the appearance with the widest window that may hold a walker; width 0 unless smaller ones agree.
+    """Measure the appearance of dark, or of light walkers, in the widest window. Width 0 unless smaller windows agree.
 
     The gaps between walkers also stand out, on their other side, but are as wide as the window allows.
     """
@@ -157,7 +158,7 @@ def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: f
 
 
 def estimate_ground(picture: Floats, dark: bool, widest: float) -> Floats:
-    """Estimate the brightness of the ground without dark, or light, things narrower than `widest`, pixels."""
+    """Return the brightness of the ground, without dark (else light) things narrower than `widest` (pixels)."""
     side, window = 1.0 if dark else -1.0, round(widest) | 1
     # A closing, but of what is seen alone: beyond the frame there is neither ground nor walker.
     high = ndimage.maximum_filter(side * picture, window, mode="constant", cval=-np.inf)
@@ -168,10 +169,10 @@ def estimate_ground(picture: Floats, dark: bool, widest: float) -> Floats:
 
 
 def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
-    """Return the appearance with the contrast of sharp-edged objects; its width is 0 without any.
+    """Return the appearance with contrast and width of sharp-edged objects. The width is 0 without any.
 
-    If the ground is uncertain, shades of the light fainter than walkers merge with them. Of several thresholds the one
-    with the widest object counts.
+    If the ground is uncertain, shades of the light fainter than walkers merge with them. Unless `threshold` is given,
+    several are tried, and the one with the widest object counts.
     """
     fields = [look.contrasts(sample) for sample in samples]
     slopes = [look.slopes(sample) for sample in samples]
@@ -183,7 +184,7 @@ def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: floa
 
 
 def _frame_noise(fields: Sequence[Floats]) -> float:
-    """Estimate the deviation of contrasts from frame to frame, from its median size, since little moves."""
+    """Estimate the deviation of contrasts between frames, `fields`, from its median size, since little moves."""
     steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
@@ -191,7 +192,7 @@ def _frame_noise(fields: Sequence[Floats]) -> float:
 def _widest_spots(
     fields: Sequence[Floats], slopes: Sequence[Floats], thresholds: Sequence[float]
 ) -> Iterator[tuple[float, float]]:
-    """Yield the median width, pixels, and contrast of the widest objects with a sharp edge, at each threshold."""
+    """Yield, for each threshold, median width (pixels) and contrast of the widest objects with a sharp edge."""
     for threshold in thresholds:
         spots = [
             spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp_spots(field, slope, threshold)
@@ -203,15 +204,15 @@ def _widest_spots(
 
 
 def _sharp_spots(field: Floats, slope: Floats, threshold: float) -> Iterator[tuple[float, float]]:
-    """Return width, pixels, and contrast in the middle, of all objects with a sharp edge all around."""
+    """Yield width (pixels) and contrast in the middle of each object with a sharp edge all around."""
     for box, piece in connected_pieces(field > threshold, MIN_WIDTH_PX):
         inside = piece[1:-1, 1:-1]
         edge = inside & ~ndimage.binary_erosion(piece, EIGHT_NEIGHBOURS)[1:-1, 1:-1]
         level = float(np.median(field[box][inside]))
         if np.quantile(slope[box][edge], MAX_SOFT_SHARE) > MIN_EDGE_SLOPE * level:
-            deep = ndimage.distance_transform_edt(piece)[1:-1, 1:-1]
-            middle = np.median(field[box][deep > 0.5 * deep.max()])
-            yield 2.0 * float(deep.max()), float(middle)
+            depth = ndimage.distance_transform_edt(piece)[1:-1, 1:-1]
+            middle = np.median(field[box][depth > 0.5 * depth.max()])
+            yield 2.0 * float(depth.max()), float(middle)
 
 
 def connected_pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:

@@ -77,6 +77,7 @@ class _Frames(NamedTuple):
 
 
 def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progress) -> _Frames:
+    """Find the walkers in each frame of a part of the film, with its appearance, times and shake."""
     dark = None if request.walkers is None else request.walkers == "dark"
     with films.play(film, part, request.frames, progress) as reel:
         samples = list(islice(reel.frames, SAMPLE_FRAMES))
@@ -95,7 +96,7 @@ def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progr
 
 
 def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
-    """Count the frames that show something but no movement."""
+    """Count the frames that show walkers, none of which moved since the frame before."""
 
     def is_still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
         if not now or len(now) != len(before):
@@ -107,14 +108,16 @@ def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
 
 
 def _undistort(seen: Seen, lens: Lens | None, part: Box) -> Seen:
-    """Correct a walker for lens distortion."""
+    """Correct a walker for the lens, if any. `part`: searched part, where its pixels count from."""
     return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
 def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
-    """Compute the length of a walker, corrected for lens distortion, pixels."""
-    bent, own = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
-    return linked.length * float(np.median(own / bent))
+    """Return the length of a walker (pixels). `straight`: `linked.walkers` corrected for the lens."""
+    seen, corrected = (
+        np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight)
+    )
+    return linked.length * float(np.median(corrected / seen))
 
 
 def find_scale(request: TrackFields, length: float) -> Quantity:
@@ -133,24 +136,29 @@ def find_scale(request: TrackFields, length: float) -> Quantity:
 def _make_walker(
     number: int, seen: Seen, straight: Seen, by: heading.By, film: Film, part: Box, scale: float
 ) -> Walker:
-    """Build a walker with positions in mm from the lower left corner of the whole frame."""
+    """Build a walker with positions in mm from the lower left corner of the whole frame.
+
+    `seen`, `straight`: its blobs as filmed, and corrected for the lens. `by`: source of headings. `scale`: mm a pixel.
+    """
     left, top, _, _ = part
-    bent, own = (np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs))
-    position = scale * np.column_stack([own[:, 0], film.height - own[:, 1]])
-    headed = heading.find_headings(straight, by)
-    outlines = [_make_outline(seen, at, bent[at], headed.theta[at]) for at in (0, -1)]
+    pixels, corrected = (
+        np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs)
+    )
+    position = scale * np.column_stack([corrected[:, 0], film.height - corrected[:, 1]])
+    headings = heading.find_headings(straight, by)
+    outlines = [_make_outline(seen, at, pixels[at], headings.theta[at]) for at in (0, -1)]
     size = float(np.median(seen.blobs.length))
-    return Walker(number, seen.frames, bent, position, headed.theta, headed.how, size, (outlines[0], outlines[1]))
+    return Walker(number, seen.frames, pixels, position, headings.theta, headings.how, size, (outlines[0], outlines[1]))
 
 
 def _make_outline(seen: Seen, at: int, middle: Array, theta: float) -> Outline:
-    """Build the box or ellipse around a walker in one frame, and the arrow from its front."""
+    """Build the box or ellipse around a walker, and the arrow at its front, in the frame with index `at` of `seen`."""
     blobs = seen.blobs
-    unit = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])
+    shape = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])
     if np.median(blobs.length / blobs.width) < MIN_ELONGATION:
-        turn = np.linspace(0.0, 2.0 * np.pi, 60)
-        unit = np.column_stack([np.cos(turn), np.sin(turn)])
+        angles = np.linspace(0.0, 2.0 * np.pi, 60)
+        shape = np.column_stack([np.cos(angles), np.sin(angles)])
     c, s = np.cos(blobs.axis[at]), np.sin(blobs.axis[at])
-    rim = (0.5 * unit * (blobs.length[at], blobs.width[at])) @ np.array([[c, -s], [s, c]])
+    rim = (0.5 * shape * (blobs.length[at], blobs.width[at])) @ np.array([[c, -s], [s, c]])
     ahead = blobs.length[at] * np.array([np.cos(theta), -np.sin(theta)])
     return Outline(rim + middle, middle + np.outer((0.5, 0.85), ahead))

@@ -26,7 +26,7 @@ from frame to frame."""
 
 
 def collect_remarks(tracked: Tracked, found: Unmarked) -> Remarks:
-    """Return all warnings and notes on a film."""
+    """Return facts, notes and warnings on a film of walkers without markers."""
     look, linked, shake = found.look, found.linked, found.shake
     pull, (change, scatter) = shadow_pull(linked.walkers), size_change(found.straight)
     facts = {
@@ -78,7 +78,7 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
 
 
 def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
-    """Return warnings of walkers that are missing, merged, lost or mistaken for others."""
+    """Yield warnings of walkers that are missing, merged, lost or mistaken for others."""
     linked, count, walkers = found.linked, tracked.looked, tracked.walkers
     if linked.empty:
         yield f"nothing was found in {linked.empty} of {count} frames"
@@ -104,7 +104,10 @@ def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
 
 
 def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quantity, scatter: float) -> Iterator[str]:
-    """Return warnings of the effects of light and camera on the places, each with its size."""
+    """Yield warnings of the effects of light and camera on positions, each with its size.
+
+    `pull`: of shadows, pixels. `change`, `scatter`: of a walker's size, between places and between frames.
+    """
     look, shake = found.look, found.shake
 
     def format_length(pixels: float) -> str:
@@ -166,10 +169,10 @@ def shadow_pull(walkers: Sequence[Seen]) -> float:
 
 
 def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
-    """Compute the relative change of a walker's size over the places that walkers reach: perspective, or a lens.
+    """Return the relative change of a walker's size over the places that walkers reach: perspective, or a lens.
 
-    Also returns the deviation of the rest, from frame to frame and as walkers turn. The size's logarithm is fitted with
-    a plane and a bowl, each walker with its own size.
+    Returns also the deviation of the rest, between frames and as walkers turn. A plane and a bowl are fitted to the
+    logarithm of the size, each walker with its own size.
     """
     blobs = _join_blobs(walkers)
     owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
@@ -193,7 +196,7 @@ def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
 
 
 def _subtract_means(values: Array, owner: Whole) -> Array:
-    """Subtract from values the mean of their walker."""
+    """Subtract from each value the mean of its walker, the number in `owner`. Shapes: (n,)."""
     means = np.bincount(owner, values) / np.bincount(owner)
     return np.asarray(values - means[owner])
 

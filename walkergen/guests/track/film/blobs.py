@@ -75,7 +75,7 @@ class Blobs(NamedTuple):
 
 
 def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
-    """Find things at least as thick as walkers in a frame, from the upper one down; with marks if `marked`."""
+    """Find things at least as thick as walkers in a frame, from top to bottom. `marked`: also look for their marks."""
     field = look.contrasts(frame)
     blobs = []
     for box, piece in connected_pieces(field > look.threshold, 0.5 * look.width):
@@ -99,7 +99,7 @@ def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
 
 
 def _coverage(mask: Mask, field: Floats) -> Floats:
-    """Compute the share of each pixel covered by a walker: from the contrast at its edge, 1 inside."""
+    """Return the share of each pixel that a walker covers: 1 inside, at its edge by the contrasts in `field`."""
     near = ndimage.binary_dilation(mask, EIGHT_NEIGHBOURS)
     deep = ndimage.binary_erosion(mask, EIGHT_NEIGHBOURS, iterations=2)
     level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
@@ -109,9 +109,9 @@ def _coverage(mask: Mask, field: Floats) -> Floats:
 
 
 def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
-    """Compute the displacement from the middle of a walker's own contrast to that of everything taken for it, pixels.
+    """Return the offset (x, y, pixels) of a blob's middle from the middle of its dark (or light) core, due to a shadow.
 
-    Marks within do not count.
+    `field`: contrasts. Marks within the core do not count.
     """
     core = ndimage.binary_fill_holes(piece & (field > MIN_CORE_CONTRAST * np.quantile(field[piece], CORE_QUANTILE)))
     (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
@@ -119,7 +119,7 @@ def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
 
 
 def _fill_holes(piece: Mask, width: float) -> Mask:
-    """Fill small holes of a piece."""
+    """Fill the holes of a piece that are small for a walker of this width (pixels)."""
     holes, count = ndimage.label(~piece)  # its outside is the first of them
     if count < 2:
         return piece
@@ -138,7 +138,7 @@ def _open_mask(piece: Mask, radius: float) -> Mask:
 
 
 def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
-    """Measure centre, axis and extents of pixels with these covered shares."""
+    """Measure centre, axis and extents of a blob from the covered share of pixels, from column `left` and row `top`."""
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
     area = float(weight.sum())
@@ -154,20 +154,24 @@ def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
 
 
 def _extent(weight: Floats, off: Floats, half: float) -> float:
-    """Measure the extent of pixels along a line, from those within about `half` pixels of it.
+    """Measure the extent of a blob along a line, from the pixels within about `half` pixels of the line.
 
-    The band ends softly, over a pixel, so that its width is the same wherever the line runs.
+    `weight`, `off`: covered shares of pixels, and their distances to the line. The band ends softly, over a pixel, so
+    that its width is the same wherever the line runs.
     """
     half = max(half, 0.5)
     return float((weight * (half + 0.5 - np.abs(off)).clip(0.0, 1.0)).sum()) / (2.0 * half)
 
 
-def _mark_direction(own: Mask, field: Floats, blob: Blob, left: int, top: int, look: Appearance) -> float:
-    """Find the direction to the spot of a walker that differs most from its rest; NaN without one."""
-    deep = ndimage.distance_transform_edt(own) > max(1.5, MARK_DEPTH * look.width)
-    if not deep.any():
+def _mark_direction(mask: Mask, field: Floats, blob: Blob, left: int, top: int, look: Appearance) -> float:
+    """Return the direction (rad) from a walker's centre to its mark, the most different spot, or NaN without one.
+
+    `mask`, `field`: pixels of the walker, and contrasts, from column `left` and row `top` of the frame.
+    """
+    interior = ndimage.distance_transform_edt(mask) > max(1.5, MARK_DEPTH * look.width)
+    if not interior.any():
         return math.nan
-    contrast = np.where(deep, field - np.median(field[deep]), 0.0)
+    contrast = np.where(interior, field - np.median(field[interior]), 0.0)
     strongest = contrast.flat[np.abs(contrast).argmax()]
     if abs(strongest) < MIN_MARK_CONTRAST * look.contrast:
         return math.nan

@@ -36,7 +36,7 @@ MAX_SHIFT_ERROR_PX = 0.1
 """Standard error of a shift beyond which it is not known, pixels."""
 
 
-class Fixed(NamedTuple):
+class FixedPoints(NamedTuple):
     """Still points in the reference picture."""
 
     places: Array
@@ -56,56 +56,56 @@ class Shake(NamedTuple):
     """Largest distance from the middle."""
 
 
-def find_fixed_points(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> Fixed | None:
-    """Find the steepest points of the film's first frames away from `walkers`; None for too few."""
-    soft = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), BLUR_PX, output=float)
+def find_fixed_points(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> FixedPoints | None:
+    """Find the steepest points of the first frames, `samples`, away from `walkers`. None if there are too few."""
+    blurred = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), BLUR_PX, output=float)
     first, last = (ndimage.gaussian_filter(samples[at], BLUR_PX, output=float) for at in (0, -1))
     noise = 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(last - first)))
-    slopes = np.stack(np.gradient(soft)[::-1])
+    slopes = np.stack(np.gradient(blurred)[::-1])
     steep = np.hypot(*slopes)
     steep[: int(2 * BLUR_PX)] = steep[-int(2 * BLUR_PX) :] = 0.0
     steep[:, : int(2 * BLUR_PX)] = steep[:, -int(2 * BLUR_PX) :] = 0.0
     # A blurred slope has the noise of a blurred pixel over the blur's width
     rows, columns = np.nonzero(steep > max(SLOPE_FACTOR * noise / BLUR_PX, MIN_SLOPE))
-    free = _is_clear(np.stack([columns, rows]), walkers)
-    rows, columns = rows[free], columns[free]
+    is_clear = _is_clear(np.stack([columns, rows]), walkers)
+    rows, columns = rows[is_clear], columns[is_clear]
     chosen = np.argsort(-steep[rows, columns], kind="stable")[:MAX_POINTS]
     rows, columns = rows[chosen], columns[chosen]
     if len(rows) < MIN_POINTS:
         return None
     places = np.stack([columns, rows]).astype(float)
-    return Fixed(places, soft[rows, columns], slopes[:, rows, columns])
+    return FixedPoints(places, blurred[rows, columns], slopes[:, rows, columns])
 
 
-def find_shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
-    """Compute the displacement of still objects since the first frames, pixels, x to the right, y down.
+def find_shift(points: FixedPoints, frame: Grey, walkers: Sequence[Blob]) -> Array:
+    """Return the displacement (x to the right, y down, pixels) of still objects in a frame since the first frames.
 
-    NaN where too few points are free of walkers, or where they do not determine it.
+    It is NaN if too few points are clear of walkers, or do not determine it.
     """
-    free = _is_clear(points.places, walkers)
-    places, values, slopes = points.places[:, free], points.values[free], points.slopes[:, free]
+    is_clear = _is_clear(points.places, walkers)
+    places, values, slopes = points.places[:, is_clear], points.values[is_clear], points.slopes[:, is_clear]
     unknown = np.full(2, np.nan)
     if len(values) < MIN_POINTS:
         return unknown
-    soft = ndimage.gaussian_filter(frame, BLUR_PX, output=float)
+    blurred = ndimage.gaussian_filter(frame, BLUR_PX, output=float)
     terms = np.stack([*slopes, np.ones_like(values), values], axis=1)
     moved_by, steady = np.zeros(2), np.ones(len(values), dtype=bool)
     for _ in range(SHIFT_ROUNDS):
         moved = (places + moved_by[:, None])[::-1]
-        change = ndimage.map_coordinates(soft, moved, order=1, mode="nearest") - values
+        change = ndimage.map_coordinates(blurred, moved, order=1, mode="nearest") - values
         fit, _, rank, _ = np.linalg.lstsq(terms[steady], change[steady])
         if rank < 4:
             return unknown
-        off = change - terms @ fit
-        scatter = 1.4826 * float(np.median(np.abs(off[steady])))
-        steady = np.abs(off) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
+        residuals = change - terms @ fit
+        scatter = 1.4826 * float(np.median(np.abs(residuals[steady])))
+        steady = np.abs(residuals) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
         moved_by = moved_by - fit[:2]
     spread = scatter**2 * np.linalg.pinv(terms[steady].T @ terms[steady])
     return moved_by if np.sqrt(np.diag(spread)[:2]).max() < MAX_SHIFT_ERROR_PX else unknown
 
 
 def measure_shake(shifts: Sequence[Array]) -> Shake:
-    """Measure the size of the shifts of many frames about their mean."""
+    """Return the size of the shifts of many frames, shape (2,) each, about their mean. NaN is an unknown shift."""
     known_shifts = np.array(shifts).reshape(-1, 2)
     known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
     if len(known_shifts) < 2:
@@ -115,9 +115,9 @@ def measure_shake(shifts: Sequence[Array]) -> Shake:
 
 
 def _is_clear(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> Mask:
-    """Return which positions, shape (2, n), lie away from all walkers."""
-    free = np.ones(places.shape[1], dtype=bool)
+    """Return which positions, columns and rows in shape (2, n), lie away from all walkers. Shape (n,)."""
+    clear = np.ones(places.shape[1], dtype=bool)
     for walker in walkers:
         near = np.hypot(places[0] - walker.x, places[1] - walker.y) < WALKER_MARGIN * walker.length + 2.0 * BLUR_PX
-        free &= ~near
-    return free
+        clear &= ~near
+    return clear

@@ -47,7 +47,7 @@ def draw_check(tracked: Tracked) -> Figure:
 
 
 def _draw_walker(axes: Axes, walker: Walker, first: int, colour: str) -> None:
-    """Draw a walker's outline and front where it was first and last seen, its track and number."""
+    """Draw track and number of a walker, and its outline and front where it was first and last seen."""
     gaps = np.flatnonzero(np.diff(walker.frames) > 1) + 1
     x, y = (np.insert(values, gaps, np.nan) for values in walker.pixels.T)
     axes.plot(x, y, color=colour, lw=1.2, path_effects=HALO)
@@ -63,7 +63,7 @@ def _draw_walker(axes: Axes, walker: Walker, first: int, colour: str) -> None:
 
 
 def _draw_timeline(axes: Axes, walkers: Sequence[Walker], first: int, looked: int) -> None:
-    """Draw the frames that show each walker, a row each, of `looked` from `first` on."""
+    """Draw the frames that show each walker, a row each, among the `looked` frames from number `first` on."""
     shown = walkers[:MAX_ROWS]
     for row, walker in enumerate(shown):
         cuts = np.flatnonzero(np.diff(walker.frames) > 1) + 1

@@ -138,7 +138,10 @@ def _parse_ratio(text: bytes) -> Fraction:
 
 @contextmanager
 def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progress) -> Iterator[Reel]:
-    """Play a part of a film's frames, from the first to the one before the last, or up to the end."""
+    """Decode the frames from number `frames[0]` to `frames[1]` - 1, or to the end if that is None.
+
+    Yields the frames, cropped to `part`, with their expected number and the file of their times.
+    """
     first, last = frames
     count = len(film.pictures) or round(film.seconds * (film.fps or 0.0))
     expected = max((count if last is None else last) - first, 1)
@@ -163,7 +166,7 @@ def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progre
 
 
 def _crop_frames(frames: Iterator[Grey], part: Box, expected: int, progress: Progress) -> Iterator[Grey]:
-    """Yield parts of frames, and report progress after each."""
+    """Yield the part of each frame, and report progress against the expected number of frames."""
     left, top, right, bottom = part
     for done, whole in enumerate(frames, 1):
         yield np.ascontiguousarray(whole[top:bottom, left:right])
@@ -171,13 +174,13 @@ def _crop_frames(frames: Iterator[Grey], part: Box, expected: int, progress: Pro
 
 
 def check_frame_count(frames: int, first: int) -> None:
-    """Raise InputError for fewer than two frames from the first on."""
+    """Raise InputError if `frames`, the number of frames from number `first` on, is below two."""
     if frames < 2:
         raise InputError(f"{frames} frame{'' if frames == 1 else 's'} from {first} on: at least 2 are needed")
 
 
 def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]) -> Iterator[Grey]:
-    """Yield whole frames, starting with the first."""
+    """Yield the whole frames that ffmpeg writes, from number `first` on. Raises InputError if one is incomplete."""
     size = film.width * film.height
     assert process.stdout is not None
     process.stdout.readline(MAX_LINE_BYTES)
@@ -198,8 +201,8 @@ def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", mes
 def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
     """Find the times of the frames that were played: the container's, or of a constant rate that fits them.
 
-    `filmed_fps` is the rate at which it was filmed, if it plays slower: times shrink accordingly. Raises InputError if
-    the film has no times.
+    `stamps`: file of times that ffmpeg wrote. `filmed_fps`: rate at which it was filmed, if it plays slower, so that
+    times shrink. Raises InputError if the film has no times.
     """
     lines = [line.split() for line in stamps.read_text().splitlines()]
     unit = Fraction(lines[0][1]) if lines else Fraction(0)
@@ -225,7 +228,7 @@ def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
 def _run_ffmpeg(
     path: Path, shots: Sequence[Path], more: Sequence[str] = ()
 ) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
-    """Run ffmpeg on a film or on pictures; yield its process and messages, and end it afterwards."""
+    """Run ffmpeg on a film or on the pictures `shots`, with `more` options. Yield its process and messages."""
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
@@ -263,7 +266,7 @@ def _last_message(messages: IO[bytes]) -> str:
 
 
 def _parse_duration(messages: IO[bytes]) -> float:
-    """Parse the duration from the film's metadata, s; 0 if not stated."""
+    """Parse the duration (s) in ffmpeg's messages, or return 0 if it is not stated."""
     match = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_message_lines(messages)))
     if match is None:
         return 0.0

@@ -67,11 +67,12 @@ def find_headings(walker: Seen, by: By) -> Headed:
 
 
 def _no_heading(walker: Seen, why: str) -> Headed:
+    """Return unknown headings, with the reason."""
     return Headed(np.full(len(walker.frames), np.nan), why)
 
 
 def _continuous_parts(frames: Whole, axis: Array) -> list[slice]:
-    """Return the parts of a track whose long axis can be followed from frame to frame."""
+    """Return the parts of a track whose long axis, at angles `axis` (rad), can be followed from frame to frame."""
     turns = np.abs((np.diff(axis) + 0.5 * math.pi) % math.pi - 0.5 * math.pi)
     cuts = np.flatnonzero((turns > MAX_TURN) | (np.diff(frames) > MAX_GAP_FRAMES)) + 1
     ends = [0, *cuts.tolist(), len(axis)]
@@ -79,12 +80,12 @@ def _continuous_parts(frames: Whole, axis: Array) -> list[slice]:
 
 
 def _mark_votes(axis: Array, mark: Array) -> float:
-    """Count frames with the mark ahead on an axis, minus those with the mark behind."""
+    """Count the frames with the mark ahead on the axis, minus those with it behind. Angles, rad, shape (n,)."""
     return float(np.nansum(np.sign(np.cos(mark - axis))))
 
 
 def _distance_ahead(axis: Array, walker: Seen, part: slice) -> float:
-    """Compute the distance moved along an axis, pixels; 0 if too short to decide."""
+    """Return the signed distance (pixels) along the axis in a part of a track, or 0 if it is too short to decide."""
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])
     run = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))

@@ -67,9 +67,9 @@ class Lens(NamedTuple):
         return np.array([(self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]), (0.0, 0.0, 1.0)])
 
     def undistort(self, pixels: Array) -> Array:
-        """Correct places for lens distortion, with the same focal length, shape (..., 2).
+        """Correct places, shape (..., 2), for lens distortion, with the same focal length.
 
-        Pixels count from the picture's upper left corner. Raises InputError where there are none.
+        Pixels count from the picture's upper left corner. Raises InputError where the lens has no solution.
         """
         import cv2
 
@@ -100,6 +100,7 @@ class Lens(NamedTuple):
             return np.asarray(0.5 * ways / STRETCH_STEP_PX)
 
         def direction(angle: Array) -> Array:
+            """Return the directions of angles after correction, NaN where unknown."""
             known = ~np.isnan(angle)
             way = along(np.where(known, angle, 0.0))
             turned = angle + np.angle(np.exp(1j * (np.arctan2(-way[:, 1], way[:, 0]) - angle)))
@@ -137,7 +138,7 @@ def read_lens(path: Path) -> Lens:
 
 
 def _parse_numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
-    """Parse the numbers of a key, nested in rows or not. Raises InputError."""
+    """Parse the numbers of the key `name`, in rows or not, as many as in `counts`. Raises InputError."""
     value = data.get(name)
     if isinstance(value, dict):
         value = value.get("data")

@@ -49,7 +49,7 @@ class Linked(NamedTuple):
 
 
 def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
-    """Link the objects found in frames first, first + 1 ... into walkers.
+    """Link the blobs in frames number `first`, `first` + 1 ... into walkers. `fps`: frames per second.
 
     Raises InputError when nothing was found for long enough, or too much to tell apart.
     """
@@ -96,18 +96,21 @@ def typical_area(areas: Array) -> float:
     return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])
 
 
-def _link_numbers(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
-    """Find the number of the walker that each thing of each frame belongs to. Raises InputError."""
+def _link_numbers(frames: Sequence[Sequence[Blob]], radius: float, memory: int) -> list[list[int]]:
+    """Return the number of the walker that each blob of each frame belongs to. Raises InputError.
+
+    `radius`: longest way between frames, pixels. `memory`: frames for which a lost walker is remembered.
+    """
     import trackpy
 
     trackpy.quiet()
     places = ((at, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2)) for at, frame in enumerate(frames))
     try:
         # Strategies compiled by numba would take longer to compile than any film takes to link.
-        linked = trackpy.link_iter(places, reach, memory=memory, link_strategy="nonrecursive")
+        linked = trackpy.link_iter(places, radius, memory=memory, link_strategy="nonrecursive")
         return [list(names) for _, names in linked]
     except trackpy.SubnetOversizeException:
         raise InputError(
-            f"walkers cannot be distinguished: too many lie within {reach:.3g} pixels, half a walker's length, of one "
+            f"walkers cannot be distinguished: too many lie within {radius:.3g} pixels, half a walker's length, of one "
             "another. Film faster, or fewer walkers"
         ) from None

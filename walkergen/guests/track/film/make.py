@@ -85,7 +85,7 @@ def _conversion_notes(film: Film) -> list[str]:
 
 def check_request(request: TrackFields) -> None:
     """Raise InputError for values that exclude each other or are out of range."""
-    for field, value, most in (
+    for field, value, largest in (
         ("mm_per_px", request.mm_per_px and request.mm_per_px[0], MAX_VALUE),
         ("length", request.length and request.length[0], MAX_VALUE),
         ("fps", request.fps, MAX_VALUE),
@@ -93,8 +93,8 @@ def check_request(request: TrackFields) -> None:
         ("width", request.width, 1e5),
         ("marker_mm", request.marker_mm and request.marker_mm[0], MAX_VALUE),
     ):
-        if value is not None and not MIN_VALUE <= value <= most:
-            raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_VALUE:g}..{most:g}")
+        if value is not None and not MIN_VALUE <= value <= largest:
+            raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_VALUE:g}..{largest:g}")
     if request.markers is not None:
         for field in ("mm_per_px", "length", "walkers", "threshold", "width", "heading"):
             if getattr(request, field) != type(request).model_fields[field].default:
@@ -114,7 +114,7 @@ def check_request(request: TrackFields) -> None:
 
 
 def select_part(film: Film, region: tuple[int, int, int, int] | None) -> Box:
-    """Return left, top, right and bottom of the searched part, pixels. Raises InputError."""
+    """Return left, top, right, bottom (pixels) of the part given by left, top, width, height. Raises InputError."""
     if region is None and min(film.width, film.height) < MIN_SIZE_PX:
         raise InputError(
             f"{film.path}: {film.width} x {film.height} pixels a frame: at least {MIN_SIZE_PX} x "

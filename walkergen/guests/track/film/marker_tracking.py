@@ -143,14 +143,14 @@ def _read_markers(film: Film, part: Box, request: TrackFields, progress: Progres
 
 
 def _find_mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
-    """Find numbers of markers that are read in the mirror image of most of some frames."""
+    """Return the numbers of the markers that are read in mirror images of most of the `samples`."""
     images = (np.ascontiguousarray(grey[:, ::-1]) for grey in samples)
     counts = Counter(number for image in images for number in reader.find_markers(image).numbers.tolist())
     return sorted(number for number, count in counts.items() if count > 0.5 * len(samples))
 
 
 def _no_marker_reason(mirrored: list[int], count: int) -> str:
-    """Return the reason why no marker was read."""
+    """Return the reason why no marker was read in `count` frames. `mirrored`: numbers read in mirror images."""
     if mirrored:
         return (
             "the film is mirrored: markers are only read in its mirror image. Mirror it back: "
@@ -174,7 +174,7 @@ class _Sorted(NamedTuple):
 
 
 def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
-    """Sort the markers of frames, starting with the first, by number. Raises InputError without a walker."""
+    """Sort the markers of frames, numbered from `first` on, by their numbers. Raises InputError without a walker."""
     frames: dict[int, list[int]] = defaultdict(list)
     corners: dict[int, list[Array]] = defaultdict(list)
     double: Counter[int] = Counter()
@@ -194,18 +194,18 @@ def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
     }
     once = {number: frames[number] for number in sorted(frames) if number not in twice}
     tracks = {
-        number: (np.array(own, np.int64), np.array(corners[number]))
-        for number, own in once.items()
-        if len(own) >= least
+        number: (np.array(frame_numbers, np.int64), np.array(corners[number]))
+        for number, frame_numbers in once.items()
+        if len(frame_numbers) >= least
     }
-    rare = {number: len(own) for number, own in once.items() if 0 < len(own) < least}
+    rare = {number: len(frame_numbers) for number, frame_numbers in once.items() if 0 < len(frame_numbers) < least}
     if not tracks:
         raise InputError(_no_walker_reason(twice, rare, least, len(seen)))
     return _Sorted(tracks, twice, rare)
 
 
 def _no_walker_reason(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
-    """Return the reason why no readable marker is a walker's."""
+    """Return the reason why no marker is read in `least` of `count` frames. `twice`, `rare`: see `_Sorted`."""
     if twice:
         return (
             f"marker {', '.join(map(str, list(twice)[:10]))} is seen in two places in "

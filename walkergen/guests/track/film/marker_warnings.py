@@ -34,7 +34,7 @@ MAX_NAMES = 10
 
 
 def collect_remarks(tracked: Tracked, found: Marked) -> Remarks:
-    """Return all warnings and notes on a film."""
+    """Return facts, notes and warnings on a film with markers."""
     flat, out = found.plane, found.left_out
     change, (side, _) = _scale_change(found), tracked.request.marker_mm or (MARKER_MM, None)
     facts = {
@@ -57,13 +57,13 @@ def collect_remarks(tracked: Tracked, found: Marked) -> Remarks:
 
 
 def _scale_change(found: Marked) -> float:
-    """Compute the relative change of lengths between the places that walkers reach."""
+    """Return the largest scale (mm a pixel) over the smallest, less 1, at the places that walkers reach."""
     scales = np.concatenate([found.plane.scales(corners.mean(axis=1)) for corners in found.straight])
     return float(scales.max() / scales.min() - 1.0)
 
 
 def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
-    """Yield notes on the readings: scale, tilt and rate."""
+    """Yield notes on the readings: scale, tilt and rate. `change`: relative change of lengths between places."""
     flat, (side, side_se) = found.plane, tracked.request.marker_mm or (MARKER_MM, None)
     scale, scale_se = tracked.mm_per_px.pair
     size = f"{formatting.format_number(side, 4)} mm"
@@ -126,23 +126,24 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
 
 
 def lens_bend(found: Marked) -> tuple[Quantity, float]:
-    """Compute the relative change of markers' sides farthest from the picture's middle, and that distance, pixels.
+    """Return the relative change of markers' sides farthest from the picture's middle, and that distance (pixels).
 
-    It grows with the square of the way: a lens that bends. Perspective changes them in a line, which the plane undoes.
+    The fitted change grows with the square of the distance, as by a lens that bends. The plane already corrects
+    perspective, which would change sides linearly.
     """
     corners = np.concatenate(found.straight)
     sides = found.plane.to_mm(corners)
     size = np.log(np.hypot(*np.moveaxis(sides - np.roll(sides, 1, axis=1), -1, 0)).mean(axis=1))
-    away = np.linalg.norm(corners.mean(axis=1) - found.plane.middle, axis=1)
-    square = (away / found.plane.half) ** 2
+    distance = np.linalg.norm(corners.mean(axis=1) - found.plane.middle, axis=1)
+    square = (distance / found.plane.half) ** 2
     terms = np.column_stack([np.ones_like(square), square])
     fitted, _, rank, _ = np.linalg.lstsq(terms, size)
     if rank < 2 or len(size) <= CORRELATED_SIGHTINGS:
-        return Quantity("bend", "", 0.0, math.inf), float(away.max())
+        return Quantity("bend", "", 0.0, math.inf), float(distance.max())
     variance = CORRELATED_SIGHTINGS * float(np.mean((size - terms @ fitted) ** 2))
     error = math.sqrt(variance * float(np.linalg.pinv(terms.T @ terms)[1, 1]))
     reach = float(square.max())
-    return Quantity("bend", "", math.expm1(float(fitted[1]) * reach), error * reach), float(away.max())
+    return Quantity("bend", "", math.expm1(float(fitted[1]) * reach), error * reach), float(distance.max())
 
 
 class Missing(NamedTuple):
@@ -186,14 +187,14 @@ def count_missing(tracked: Tracked) -> list[Missing]:
 
 
 def _is_inside(tracked: Tracked, walker: Walker, at: int) -> bool:
-    """Return whether a sighting of a walker lies away from the edges of the part that is searched."""
+    """Return whether the sighting of a walker with index `at` is away from the edges of the searched part."""
     left, top, right, bottom = tracked.part
     x, y = walker.pixels[at]
     return bool(min(x - left, y - top, right - x, bottom - y) > EDGE_MARGIN_SIDES * walker.size_px)
 
 
 def _lost_warnings(tracked: Tracked) -> Iterator[str]:
-    """Yield warnings of walkers that are missing in more than a few frames, with the share of them."""
+    """Yield warnings of walkers that are missing in more than a few of their frames, with the share."""
     for walker in count_missing(tracked):
         if walker.share > MAX_LOST_SHARE:
             others = (
@@ -222,7 +223,7 @@ def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 
 def _format_counts(frames: Mapping[int, int]) -> str:
-    """Format the numbers of markers with their numbers of frames."""
+    """Format numbers of frames by the number of the marker."""
     named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:MAX_NAMES])
     return named + (" ..." if len(frames) > MAX_NAMES else "")
 

@@ -73,7 +73,7 @@ class Reader:
 
 
 def refine_corners(frame: Grey, corners: Array) -> Array:
-    """Return corners from the edges of markers, shape (n, 4, 2), in pixels with whole numbers at their middles."""
+    """Return corners at the edges of markers, shape (n, 4, 2), in pixels with whole numbers at their middles."""
     for _ in range(REFINE_ROUNDS):
         corners = _refine_once(frame, corners)
     return corners
@@ -84,34 +84,34 @@ def _refine_once(frame: Grey, squares: Array) -> Array:
 
     Axes of arrays: marker, side, place along it, sample across it.
     """
-    ahead = np.roll(squares, -1, axis=1) - squares
-    length = np.linalg.norm(ahead, axis=2)
-    tangent = ahead / length[..., None]
+    sides = np.roll(squares, -1, axis=1) - squares
+    length = np.linalg.norm(sides, axis=2)
+    tangent = sides / length[..., None]
     outward = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
-    reach = np.maximum(WINDOW_CELLS * length.mean(axis=1) / MARKER_CELLS, MIN_WINDOW_PX)
+    half_window = np.maximum(WINDOW_CELLS * length.mean(axis=1) / MARKER_CELLS, MIN_WINDOW_PX)
     share = np.linspace(END_SHARE, 1.0 - END_SHARE, EDGE_PLACES)
-    across = np.linspace(-1.0, 1.0, 2 * int(np.ceil(SAMPLES_PER_PIXEL * reach.max())) + 1)
-    off = reach[:, None] * across
-    places = squares[:, :, None] + share[:, None] * ahead[:, :, None]
-    points = places[:, :, :, None] + off[:, None, None, :, None] * outward[:, :, None, None]
+    across = np.linspace(-1.0, 1.0, 2 * int(np.ceil(SAMPLES_PER_PIXEL * half_window.max())) + 1)
+    offsets = half_window[:, None] * across
+    places = squares[:, :, None] + share[:, None] * sides[:, :, None]
+    points = places[:, :, :, None] + offsets[:, None, None, :, None] * outward[:, :, None, None]
     levels = ndimage.map_coordinates(frame, np.moveaxis(points, -1, 0)[::-1], output=float, order=1, mode="nearest")
     change = np.diff(levels, axis=-1)
     step = change.sum(axis=-1)
     good = step > np.maximum(MIN_STEP_RATIO * np.median(step, axis=-1, keepdims=True), 0.0)
-    between = 0.5 * (off[:, 1:] + off[:, :-1])
+    between = 0.5 * (offsets[:, 1:] + offsets[:, :-1])
     shift = np.einsum("nspk,nk->nsp", change, between) / np.where(good, step, 1.0)
-    shift = np.clip(shift, -reach[:, None, None], reach[:, None, None])
+    shift = np.clip(shift, -half_window[:, None, None], half_window[:, None, None])
     offset, slope = _fit_lines(share - 0.5, shift / length[..., None], good)
     normal = outward - slope[..., None] * tangent
-    point = squares + 0.5 * ahead + (offset * length)[..., None] * outward
+    point = squares + 0.5 * sides + (offset * length)[..., None] * outward
     known = (good.sum(axis=-1) >= EDGE_PLACES // 3).all(axis=1)
     return np.where(known[:, None, None], _intersect_lines(normal, point), squares)
 
 
 def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
-    """Fit lines robustly through shifts across; return their offset in the middle, and slope.
+    """Fit lines robustly through the shifts of edges. Return their offset in the middle, and slope, of shape (n, 4).
 
-    `along` is of shape (p,), shifts are of shape (n, 4, p), both over a side's length.
+    `along`: places, shape (p,). `shift` and `good` (whether to use it): shape (n, 4, p). Lengths are over a side's.
     """
     weights = good.astype(float)
     for _ in range(3):
@@ -128,7 +128,7 @@ def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
 
 
 def _intersect_lines(normal: Array, point: Array) -> Array:
-    """Return the corners where each side's line, by a normal and a point, meets the one before it."""
+    """Return the corners where the line of a side meets that of the side before. All shapes: (n, 4, 2)."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)

@@ -38,21 +38,21 @@ def list_pictures(folder: Path) -> tuple[Path, ...]:
 
 
 def _check_same(folder: Path, what: str, counts: Counter[str]) -> None:
-    """Raise InputError where pictures are not of one kind."""
+    """Raise InputError if pictures differ. `what`: the property that differs. `counts`: pictures by its value."""
     if len(counts) > 1:
         seen = ", ".join(f"{number} of {name}" for name, number in counts.most_common(3))
         raise InputError(f"{folder}: {what} differ: {seen}; leave only the frames of one film there")
 
 
 def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
-    """Return the parts of a name, digits as numbers."""
+    """Return the parts of a file's name, digits as numbers, to sort by."""
     parts = re.split(r"([0-9]+)", path.stem)
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts], path.name
 
 
 @contextmanager
 def list_file(pictures: Sequence[Path]) -> Iterator[Path]:
-    """Write a file that lists pictures for ffmpeg, in their order. Raises InputError for a name of two lines."""
+    """Yield a temporary file that lists pictures for ffmpeg. Raises InputError for a line break in a name."""
     names = [str(path.resolve()) for path in pictures]
     if broken := next((name for name in names if "\n" in name), None):
         raise InputError(f"{broken!r}: a line break in its name: rename it")

@@ -50,9 +50,9 @@ class Plane(NamedTuple):
     """Standard errors of the terms."""
 
     def to_mm(self, pixels: Array) -> Array:
-        """Map points of the picture, shape (..., 2), to the plane.
+        """Map points of the picture, shape (..., 2), pixels, to the plane, mm.
 
-        The middle of the picture lies where a camera straight above would see it from the picture's lower left corner.
+        The picture's middle lies as far from the plane's origin as from the lower left corner, times `mm_per_px`.
         """
         corner = np.array([self.middle[0], self.middle[1]]) * self.mm_per_px
         return corner + _map_points(self.terms, self._to_centred(pixels))
@@ -76,6 +76,7 @@ class Plane(NamedTuple):
         return np.asarray(self.mm_per_px / np.abs(near) ** 1.5)
 
     def _to_centred(self, pixels: Array) -> Array:
+        """Return points relative to the middle of the frame, over `half`, y up."""
         return np.asarray((pixels - self.middle) * (1.0, -1.0) / self.half)
 
 
@@ -91,15 +92,15 @@ class Pose(NamedTuple):
 
 
 def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
-    """Fit the plane that makes markers squares of a side, mm; corners of shape (n, 4, 2), pixels.
+    """Fit the plane in which markers are squares of `side` (mm), from corners of shape (n, 4, 2), pixels.
 
-    Raises InputError if no plane makes them squares.
+    `width` and `height`: of the frame, pixels. Raises InputError if no plane makes the markers squares.
     """
     from scipy.optimize import least_squares
 
     middle, half = 0.5 * np.array([width, height]), 0.5 * max(width, height)
-    few = corners[np.unique(np.linspace(0, len(corners) - 1, MAX_SIGHTINGS).round().astype(int))]
-    points = (few - middle) * (1.0, -1.0) / half
+    chosen = corners[np.unique(np.linspace(0, len(corners) - 1, MAX_SIGHTINGS).round().astype(int))]
+    points = (chosen - middle) * (1.0, -1.0) / half
     sides = np.hypot(*np.moveaxis(points - np.roll(points, 1, axis=1), -1, 0))
     start = side / float(np.median(sides))
 
@@ -116,7 +117,7 @@ def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
     )
     terms = np.asarray(found.x)
     size = float(np.sqrt(np.mean(residuals(terms)[:-2] ** 2)))
-    spread = np.linalg.pinv(found.jac.T @ found.jac) * size**2 * min(CORRELATED_SIGHTINGS, len(few))
+    spread = np.linalg.pinv(found.jac.T @ found.jac) * size**2 * min(CORRELATED_SIGHTINGS, len(chosen))
     plane = Plane(middle, half, terms, size, np.sqrt(np.diag(spread)))
     if terms[0] <= 0.0 or terms[2] <= 0.0 or (1.0 + points @ terms[3:]).min() <= 0.05:
         raise InputError(
@@ -127,7 +128,7 @@ def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
 
 
 def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
-    """Find positions and headings of markers from their corners, shape (n, 4, 2), pixels."""
+    """Return places and headings of markers of `side` (mm) in the plane, from corners of shape (n, 4, 2), pixels."""
     mapped = plane.to_mm(corners)
     off, sizes = _square_offsets(mapped, corners, side)
     centred = mapped - mapped.mean(axis=1, keepdims=True)
@@ -141,7 +142,7 @@ def is_square(off_px: Array) -> Mask:
 
 
 def _map_points(terms: Array, points: Array) -> Array:
-    """Map points of the picture, (..., 2), to the plane, with the five terms."""
+    """Map centred points of the picture, shape (..., 2), to the plane, mm, with the five terms of a `Plane`."""
     a, b, c, right, up = terms
     near = 1.0 + points[..., 0] * right + points[..., 1] * up
     x = (a * points[..., 0] + b * points[..., 1]) / near
@@ -149,27 +150,27 @@ def _map_points(terms: Array, points: Array) -> Array:
 
 
 def _square_offsets(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
-    """Compute the displacements of corners from the nearest square; lengths in the plane over the picture's.
+    """Return the offsets of corners from the best square of `side`, and the plane's length over the picture's.
 
-    Both `mapped` and `points` are of shape (n, 4, 2).
+    `mapped`, `points`: corners in the plane and in the picture, shape (n, 4, 2). Shapes of results: (n, 4, 2), (n,).
     """
     centred = mapped - mapped.mean(axis=1, keepdims=True)
     turn = _turn_angles(centred)
     c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
     x, y = side * UNIT_SQUARE.T
     square = np.stack([c * x - s * y, s * x + c * y], axis=-1)
-    sizes = np.sqrt(np.abs(_signed_areas(mapped) / _signed_areas(points)))
-    return centred - square, sizes
+    scales = np.sqrt(np.abs(_signed_areas(mapped) / _signed_areas(points)))
+    return centred - square, scales
 
 
 def _turn_angles(centred: Array) -> Array:
-    """Compute the rotation angles of squares about the origin, shape (n, 4, 2)."""
+    """Return the rotation angles (rad), shape (n,), of squares about the origin, from corners of shape (n, 4, 2)."""
     cross = centred[..., 1] @ UNIT_SQUARE[:, 0] - centred[..., 0] @ UNIT_SQUARE[:, 1]
     along = centred[..., 0] @ UNIT_SQUARE[:, 0] + centred[..., 1] @ UNIT_SQUARE[:, 1]
     return np.asarray(np.arctan2(cross, along))
 
 
 def _signed_areas(corners: Array) -> Array:
-    """Return the signed areas of quadrilaterals, shape (n, 4, 2)."""
+    """Return the signed areas, shape (n,), of quadrilaterals, shape (n, 4, 2)."""
     first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     return np.asarray(0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))

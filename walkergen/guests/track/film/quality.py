@@ -33,9 +33,9 @@ class Remarks(NamedTuple):
 def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
     """Compute the error of a place that changes from frame to frame, along an axis.
 
-    `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others. It follows from a
-    place's distance to the line between those before and after. Uneven motion adds to it; constant and slowly changing
-    errors are not in it. NaN for too few frames.
+    `tracks`: times, shape (n,), and places, shape (n, 2), NaN where unknown, in neighbouring frames. The error follows
+    from the distance of a place to the line between the places before and after. Uneven motion adds to it. It excludes
+    constant and slowly changing errors. NaN for too few frames.
     """
     squares = [np.zeros((0, 2))]
     for times, places in tracks:

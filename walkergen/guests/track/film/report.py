@@ -75,7 +75,7 @@ WALKER_COLUMNS = (
 
 
 def make_report(tracked: Tracked, found: "Unmarked | Marked", remarks: Remarks, folder: Path) -> TrackReport:
-    """Report a tracked film."""
+    """Make the report of a tracked film. `found`: findings behind its tracks. `remarks`: notes and warnings."""
     walkers, title = _walker_rows(tracked), tracked.film.path.name
     warnings = [*quality.truncation_warnings(tracked.film, tracked.clock, tracked.request.frames), *remarks.warnings]
     picture, lines = folder / PICTURE_FILE, [*remarks.notes]
@@ -122,6 +122,7 @@ def track_rows(tracked: Tracked) -> list[tuple[Any, ...]]:
 
 
 def _walker_rows(tracked: Tracked) -> list[Row]:
+    """Return the row of each walker in the table of walkers."""
     return [
         Row(
             walker.number,
