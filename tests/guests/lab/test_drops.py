@@ -14,7 +14,7 @@ from walkergen.core.simulation.space.walker import mobility
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab import drops, inverse
-from walkergen.guests.lab.drops import Release
+from walkergen.guests.lab.drops import Drop
 from walkergen.guests.lab.inverse import Curve, Measured
 
 LANE = templates.load("lane-90hz", "scenes", Scene)
@@ -33,7 +33,7 @@ def plan_of(tilt=10.0, kind="flexible", damping=None, rigid=False, **contact):
 
 
 def flat(height=10.0, **choices):
-    return drops.simulate_drop(plan_of(**choices), Release(height)).ratio
+    return drops.simulate_drop(plan_of(**choices), Drop(height)).ratio
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_upright_legs_rebound_as_four_viscous_feet_under_a_quarter_of_the_walker
     walker = plan.world.walker
     alone = 1.0 / float(mobility(walker)[0, 0])
     ratio = feet.damping_ratio(label) * math.sqrt(alone / (0.25 * walker.mass))
-    found = drops.simulate_drop(plan, Release(10.0)).ratio
+    found = drops.simulate_drop(plan, Drop(10.0)).ratio
     assert found == pytest.approx(feet.restitution(ratio), abs=STEP_SCATTER)
 
 
@@ -86,7 +86,7 @@ def test_heights_and_speeds_give_one_rebound():
 
 def test_one_corner_first_halves_the_rebound():
     plan = plan_of(restitution=0.8, rigid=True)
-    level, rolled = (drops.simulate_drop(plan, Release(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
+    level, rolled = (drops.simulate_drop(plan, Drop(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
     assert rolled < 0.5 * level
 
 
@@ -94,7 +94,7 @@ def test_one_foot_first_lowers_the_rebound_and_the_mirror_image_does_the_same():
     pitches = (0.0, 0.02, -0.02)
     one, other = (
         [
-            drops.simulate_drop(plan_of(side * 10.0, restitution=0.8), Release(10.0, side * pitch)).ratio
+            drops.simulate_drop(plan_of(side * 10.0, restitution=0.8), Drop(10.0, side * pitch)).ratio
             for pitch in pitches
         ]
         for side in (1.0, -1.0)
@@ -133,7 +133,7 @@ def rocked(walker, restitution, height, roll, dt=4e-6):
 )
 def test_a_rolled_block_rebounds_by_one_impact_after_the_other(restitution, height, roll):
     plan = plan_of(tilt=0.0, kind="braced", rigid=True, restitution=restitution, friction=0.0)
-    found, walker = drops.simulate_drop(plan, Release(height, roll=roll)).ratio, plan.world.walker
+    found, walker = drops.simulate_drop(plan, Drop(height, roll=roll)).ratio, plan.world.walker
     # The rival has impacts without duration, and rises by 5e-4 less per step of 4 us
     assert found == pytest.approx(rocked(walker, restitution, height, roll), abs=2e-3)
     assert found < restitution - 0.03
@@ -142,10 +142,10 @@ def test_a_rolled_block_rebounds_by_one_impact_after_the_other(restitution, heig
 def test_what_counts_is_the_time_between_corners():
     # A roll of r makes corners land D r / v apart: ten times the height allows sqrt(10) the roll
     plan = plan_of(restitution=0.8)
-    assert np.ptp([drops.simulate_drop(plan, Release(height)).ratio for height in (1.0, 3.0, 30.0)]) < STEP_SCATTER
+    assert np.ptp([drops.simulate_drop(plan, Drop(height)).ratio for height in (1.0, 3.0, 30.0)]) < STEP_SCATTER
     for roll in (2e-4, 1e-3):
         low, high = (
-            drops.simulate_drop(plan, Release(height, roll=roll * math.sqrt(height))).ratio for height in (1.0, 10.0)
+            drops.simulate_drop(plan, Drop(height, roll=roll * math.sqrt(height))).ratio for height in (1.0, 10.0)
         )
         assert low == pytest.approx(high, abs=0.06)  # gravity acts on the low drop a little more
 

@@ -45,10 +45,7 @@ class Strip(NamedTuple):
 def effective_length(
     length: float, strip: Strip, root_factor: float = ROOT_FACTOR, clamp_factor: float = CLAMP_FACTOR
 ) -> float:
-    """Return the length (mm) of a beam on a rigid root that bends like the first `length` (mm) of a strip.
-
-    The root adds `root_factor` thicknesses, and the clamp takes off `clamp_factor` widths.
-    """
+    """Return the length (mm) of a beam on a rigid root that bends as a strip's `length`, corrected by both factors."""
     return length + root_factor * strip.thickness - clamp_factor * strip.width
 
 

@@ -32,7 +32,7 @@ STEP_RATIO = 0.25
 by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
 
 
-class Release(NamedTuple):
+class Drop(NamedTuple):
     """Release of a walker: height of its lowest corner (mm), pitch and roll (rad)."""
 
     height: float
@@ -71,7 +71,7 @@ def still_scene(scene: Scene) -> Scene:
 
 
 def make_plan(scene: Scene, design: Design) -> Plan:
-    """Return a plan to simulate drops on the scene's plate at rest, with finer steps unless the scene sets its step."""
+    """Return a plan to simulate drops on the scene's plate at rest, in finer time steps unless the scene sets them."""
     plan = prepare(still_scene(scene), design, mass_of(design))
     return plan if scene.run.step_us is not None else plan.coarser(STEP_RATIO)
 
@@ -91,11 +91,11 @@ def check_one_material(design: Design) -> None:
         )
 
 
-def simulate_drop(plan: Plan, release: Release) -> Rebound:
-    """Simulate one drop, of the print with the release's number, and return its rebound."""
-    plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, release.number]))
+def simulate_drop(plan: Plan, drop: Drop) -> Rebound:
+    """Simulate the drop of the print with the number `drop.number`, and return its rebound."""
+    plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, drop.number]))
     rest_height = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
-    state = plan.initial_state(release.height, release.pitch, 0.0, release.roll)
+    state = plan.initial_state(drop.height, drop.pitch, 0.0, drop.roll)
     drop_height = state[HEIGHT] - rest_height
     seconds = drop_seconds(drop_height)
     tally = record.new_tally(HEIGHT + 1, seconds, seconds / POSES_PER_DROP)
@@ -109,10 +109,10 @@ def simulate_drop(plan: Plan, release: Release) -> Rebound:
     return Rebound(math.sqrt(max(rebound_height, 0.0) / drop_height), fell)
 
 
-def hand_drops(height: float, sd_deg: float, drops: int, seed: int) -> list[Release]:
-    """Draw releases by hand from `height` (mm), each of another print, with random pitch and roll of sd `sd_deg`."""
-    angles = np.random.default_rng([seed, 0]).normal(0.0, math.radians(sd_deg), (drops, 2))
-    return [Release(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(angles)]
+def hand_drops(height: float, sd_deg: float, count: int, seed: int) -> list[Drop]:
+    """Draw `count` drops by hand from `height` (mm), each of another print. `sd_deg`: sd of their pitch and roll."""
+    angles = np.random.default_rng([seed, 0]).normal(0.0, math.radians(sd_deg), (count, 2))
+    return [Drop(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(angles)]
 
 
 def drop_seconds(height: float) -> float:
@@ -121,21 +121,19 @@ def drop_seconds(height: float) -> float:
     return 2.1 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY) + 2e-3
 
 
-def simulate_drops(plan: Plan, hand: Sequence[Release]) -> Rebounds:
-    """Simulate the releases by hand in `hand`, and a flat one from their height, and summarise the rebounds."""
-    flat = Release(hand[0].height)
-    releases = [flat, *hand]
-    level, *others = batch.run_all(lambda index, stopped, tell: simulate_drop(plan, releases[index]), len(releases))
+def simulate_drops(plan: Plan, hand: Sequence[Drop]) -> Rebounds:
+    """Simulate the drops by hand in `hand`, and a flat drop from the same height. Return a summary of all rebounds."""
+    flat = Drop(hand[0].height)
+    drops = [flat, *hand]
+    level, *others = batch.run_all(lambda index, stopped, tell: simulate_drop(plan, drops[index]), len(drops))
     ratios = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
     sd = float(ratios.std(ddof=1)) if len(ratios) > 1 else 0.0
     mean = float(ratios.mean()) if len(ratios) else None
     return Rebounds(level.ratio, mean, sd, len(ratios), sum(bounce.fell for bounce in others))
 
 
-def rebounds_by_restitution(
-    scene: Scene, design: Design, hand: Sequence[Release], progress: Progress
-) -> list[Rebounds]:
-    """Return the rebounds with each of RESTITUTIONS as the feet's restitution, by hand as in `hand` and flat."""
+def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Drop], progress: Progress) -> list[Rebounds]:
+    """Simulate the drops by hand in `hand`, and a flat drop, with each of RESTITUTIONS as the feet's restitution."""
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
@@ -145,10 +143,7 @@ def rebounds_by_restitution(
 
 
 def rebound_curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
-    """Return the curve of the rebound against RESTITUTIONS, a row each, or None with fewer than two points.
-
-    `flat`: take the rebound of the flat drop, otherwise the mean of the drops by hand.
-    """
+    """Return the flat (else the mean) rebound over RESTITUTIONS, a row each, or None with fewer than two points."""
     points = [
         (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)
         for e, row in zip(RESTITUTIONS, rows, strict=True)

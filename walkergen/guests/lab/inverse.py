@@ -53,19 +53,18 @@ class Answer(NamedTuple):
     """True if the whole curve agrees, so that the test determines nothing."""
 
     def number(self, key: str) -> Quantity:
-        """Return the best value, with half its range's width as error, or a reason unless exactly one range agrees."""
+        """Return the value as quantity `key`, with half its range as error, refused unless exactly one range agrees."""
         if self.everywhere or len(self.branches) != 1:
             return Quantity(key, "", None, refused=self.text)
         (branch,) = self.branches
         return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
 
 
-def invert(curve: Curve, measured: Measured, name: str, condition: str = "") -> Answer:
-    """Find the ranges of the curve's parameter that explain a measured number.
+def invert(curve: Curve, measured: Measured, name: str, case: str = "") -> Answer:
+    """Find the ranges of the curve's parameter, called `name`, that explain a number measured in the given `case`.
 
     Between its points the curve is cubic and monotone. The number's error and the scatter of real and simulated tries
-    add in quadrature. A range ends at a distance of one error. The text of the answer contains the parameter's `name`
-    and the `condition` of the measurement.
+    add in quadrature. A range ends at a distance of one error.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -83,9 +82,7 @@ def invert(curve: Curve, measured: Measured, name: str, condition: str = "") -> 
         branches.append(Branch(float(at[best]), float(at[first]), float(at[past - 1])))
     ends = float(curve.at[0]), float(curve.at[-1])
     if inside.all():
-        text = (
-            f"any {name} from {ends[0]:g} to {ends[1]:g} explains it{condition}: this measurement does not determine it"
-        )
+        text = f"any {name} from {ends[0]:g} to {ends[1]:g} explains it{case}: this measurement does not determine it"
         return Answer(text, branches, everywhere=True)
     if branches:
         return Answer(f"{name} " + ", or ".join(_format_branch(branch, ends) for branch in branches), branches)
@@ -93,7 +90,7 @@ def invert(curve: Curve, measured: Measured, name: str, condition: str = "") -> 
     misses = float(abs(deviations[best]))
     within = "" if misses > MAX_ERRORS_AWAY else " within one error"
     return Answer(
-        f"no {name} explains it{within}{condition}: the nearest is {predicted[best]:.2f} at {at[best]:.2f}, "
+        f"no {name} explains it{within}{case}: the nearest is {predicted[best]:.2f} at {at[best]:.2f}, "
         f"{misses:.1f} errors away",
         branches,
     )

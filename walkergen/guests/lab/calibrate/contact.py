@@ -131,10 +131,7 @@ def stated_rebound(request: CalibrateFields) -> Rebound:
 
 
 def _drop_scatter(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
-    """Compute the standard deviation of the rebound from drop to drop, beyond the error of the clock.
-
-    `seconds` and `ratios`: mean time of flight and rebound of each of `flights`, shape (n,).
-    """
+    """Return the sd of the rebound between drops beyond the error of the clock. `seconds`, `ratios`: of each flight."""
     tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
     within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
     clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2

@@ -142,7 +142,7 @@ def is_filled(path: Path) -> bool:
 
 
 def write_empty_form(path: Path, air: Mapping[str, float]) -> bool:
-    """Write the `empty_form` unless a person filled one in, and return whether it was written. Raises OutputError."""
+    """Write `empty_form(air)` unless a person filled one in, and return whether it was written. Raises OutputError."""
     if is_filled(path):
         return False
     output.write(path, empty_form(air).encode())
@@ -220,7 +220,7 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
 
 
 def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
-    """Parse the cell of a reading in one of CONDITION_COLUMNS, or return 0 if it is blank. Raises InputError."""
+    """Parse the cell of a column in the row of the reading `name`, or return 0 if it is blank. Raises InputError."""
     if cell and column not in kind.needs + kind.may:
         raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
     if not cell and column in kind.needs:
@@ -229,7 +229,7 @@ def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
 
 
 def _parse_number(what: str, cell: str, most: float, allow_zero: bool = False) -> float:
-    """Parse a cell of at most `most`, called `what` in messages. `allow_zero`: else it must be MIN_ERROR or more."""
+    """Parse a number up to `most`, called `what` in messages. `allow_zero`: whether the least is 0, else MIN_ERROR."""
     value = formatting.parse_number(cell)
     least = 0.0 if allow_zero else MIN_ERROR
     if value is None or not least <= value <= most:

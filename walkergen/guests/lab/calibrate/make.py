@@ -85,7 +85,7 @@ def calibrate_drop(request: CalibrateFields, setup: Setup, folder: Path, progres
 def _fit_modulus(
     strips: Sequence[specimens.Specimen], measured: Estimate | None, design: Design, method: str, notes: list[str]
 ) -> Bent:
-    """Fit the modulus of the strips by a method, with the density `measured` or else the design's. Adds to `notes`."""
+    """Fit the modulus of the strips by `method`, with the density `measured` or else the design's. Adds to `notes`."""
     material = design.material
     drawn = material.density_g_cm3
     density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
@@ -100,7 +100,7 @@ def _fit_modulus(
 
 
 def _invert_rebound(rebound: Rebound, setup: Setup, request: CalibrateFields, progress: Progress) -> Answer | None:
-    """Find the feet's restitution for a rebound from simulated drops; None if the walker nearly always fell over."""
+    """Find the feet's restitution for a rebound from simulated drops, or None if the walker nearly always fell over."""
     scene, design = setup.scene, setup.design
     drops.check_one_material(design)
     hand = drops.hand_drops(rebound.height, request.roll_deg, request.drops, scene.run.seed)
@@ -136,7 +136,7 @@ def _make_variant(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
 
 
 def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
-    """Return the notes on a drop test, in addition to its value."""
+    """Return the notes on a drop test with the rebound `seen`, in addition to its value."""
     kept = [] if drop.number("restitution").known else ["contact.restitution keeps the scene's value"]
     value, _ = seen.measured.number.pair
     return [

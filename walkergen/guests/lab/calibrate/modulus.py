@@ -106,7 +106,7 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
 
 
 def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
-    """Fit the modulus to each strip and each method alone, with the full error."""
+    """Fit the modulus to each strip and each method alone. Errors include those that strips share."""
     by_method = []
     for strip in strips:
         for method in (BEND_METHOD, RING_METHOD):
@@ -131,8 +131,8 @@ def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | Non
 def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
     """Compute the length (mm), added to all thicknesses, that makes strips agree best.
 
-    A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring
-    and weights may tell different moduli. None of a single strip, and where strips leave it open.
+    A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring and weights may
+    have different moduli. None for a single strip, and where strips leave it open.
     """
     if len(strips) < 2:
         return None
@@ -155,19 +155,17 @@ def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str])
     parameters = np.zeros(count + SHARED_PARAMETERS + 3 * len(strips))
     parameters[0] = math.log(np.median([single.modulus for single in rough_moduli(strips, density)]))
     deflections = np.array([bend.number.pair[0] for strip in strips for bend in strip.bends])
-    frequencies = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
-    errors_mm = _deflection_errors(strips, deflections)
+    tones = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
+    sd = _deflection_errors(strips, deflections)
     for _ in range(FIT_ROUNDS):
 
-        def residuals(parameters: Array, errors_mm: Array = errors_mm) -> Array:
+        def residuals(parameters: Array, sd: Array = sd) -> Array:
             bends, rings = _predict_readings(strips, density, parameters, extras)
-            return np.concatenate(
-                [(bends - deflections) / errors_mm, (rings - frequencies[:, 0]) / frequencies[:, 1], parameters[count:]]
-            )
+            return np.concatenate([(bends - deflections) / sd, (rings - tones[:, 0]) / tones[:, 1], parameters[count:]])
 
         solution = least_squares(residuals, parameters, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
         parameters = solution.x
-        errors_mm = _deflection_errors(strips, _predict_readings(strips, density, parameters, extras)[0])
+        sd = _deflection_errors(strips, _predict_readings(strips, density, parameters, extras)[0])
     inverse = np.linalg.pinv(solution.jac)  # its product is the covariance
     errors = np.sqrt((inverse**2).sum(axis=1)[:count])
     if np.linalg.matrix_rank(solution.jac, rtol=MIN_SINGULAR_RATIO) < len(parameters):
@@ -210,14 +208,12 @@ def _predict_readings(
 ) -> tuple[Array, Array]:
     """Return deflections (mm) and frequencies (Hz) of strips.
 
-    `parameters`: logarithm of the modulus, values of `extras`, then the deviations of shared inputs and of the sizes of
-    each strip, in their errors.
+    `parameters`: logarithm of the modulus, `extras`, then deviations of shared inputs and of each strip's sizes.
     """
 
-    def perturb(number: Quantity, deviations: float) -> float:
-        """Return the number moved by so many of its errors."""
+    def perturb(number: Quantity, errors: float) -> float:
         value, sd = number.pair
-        return value + sd * deviations
+        return value + sd * errors
 
     count = 1 + len(extras)
     extra_values = dict(zip(extras, parameters[1:count], strict=True))

@@ -72,7 +72,7 @@ def make_plate(
     air = {strip.name: parts.air_percent(strip, machine) for strip in first}
     if form.write_empty_form(path, air):
         paths.append(path)
-    return _make_report([row for batch in laid for row in _places(batch)], paths, path)
+    return _make_report([row for batch in laid for row in _locate_parts(batch)], paths, path)
 
 
 def _make_report(rows: Sequence[Place], files: Sequence[Path], form_path: Path) -> Report:
@@ -114,7 +114,7 @@ def _write_printer_files(
     """Write the files of one printer and return their paths."""
     start = f"{STEM}_{laid.printer.name}"
     with Folder(folder, f"{start}.json") as target:
-        rows = csv_text(Place._fields, _places(laid))
+        rows = csv_text(Place._fields, _locate_parts(laid))
         for name, data in (
             (f"{start}.csv", rows.encode()),
             (f"{start}.md", _format_sheet(design, drawn, laid, start).encode()),
@@ -133,8 +133,7 @@ def _format_sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str)
     return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
 
 
-def _places(laid: Laid) -> list[Place]:
-    """Return the position of each copy on the plates."""
+def _locate_parts(laid: Laid) -> list[Place]:
     rows = []
     for number, plate in enumerate(laid.plates, start=1):
         for placement in plate.placements:

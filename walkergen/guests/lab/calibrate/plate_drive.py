@@ -122,12 +122,12 @@ def calibrate(path: Path, setup: Setup, folder: Path | None) -> LabReport:
 
 
 def _scene_settings(rows: list[Row], notes: list[str]) -> tuple[dict[str, Any], set[str]]:
-    """Return the values of the scene's keys that rows set, and the keys of the rows used. Add notes on small values.
+    """Return the values of the scene's keys that rows set, and the keys of the rows used. Adds to `notes`.
 
     The key of a row for one entry of a pair has its number, as in "plate.horizontal_ratio[2]". The row after a number
     may hold its direction.
     """
-    measured = {row.key: _round_value(row.number) for row in rows if row.key and row.number.known}
+    measured = {row.key: _round_to_six_digits(row.number) for row in rows if row.key and row.number.known}
     for key, least in MIN_SETTINGS.items():
         if measured.get(key, least) < least:
             measured = {
@@ -154,13 +154,12 @@ def _format_value(row: tuple[Any, ...]) -> str:
     return str(refused) if refused else f"{formatting.format_with_error(value, se)} {unit}".strip()
 
 
-def _round_value(number: Quantity) -> float:
-    """Round a value to six digits."""
+def _round_to_six_digits(number: Quantity) -> float:
     return float(f"{number.pair[0]:.6g}")
 
 
 def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row], list[str]]:
-    """Measure the plate's motion, and note limits. Raises InputError, whose message begins with `source`."""
+    """Return the quantities of the plate's motion, and notes. Raises InputError, whose message begins with `source`."""
     rate, expected = recording.rate, scene.drive.frequency
     if expected >= NYQUIST * rate:
         raise InputError(
@@ -214,16 +213,13 @@ def _notes(recording: Recording, frequency: float, gravity: float | None, scene:
     return notes
 
 
-def _gradient_rows(rates: Complex, phase: Complex, speed: Array) -> list[Row]:
+def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
     """Return gradient and rocking of the amplitude, from turning rates (rad/s) about the plate's x and y, (pieces, 2).
 
-    `phase`: the drive's phase factor in each piece. `speed`: the plate's peak speed (mm/s). A plate that turns at W
-    about x and y rises at W_x y - W_y x.
+    `unit`: phase factors of the drive. `speed`: its peak speeds (mm/s). A plate turning at W rises at W_x y - W_y x.
     """
     refused = "" if rates.size else "it needs the gyroscope, because an accelerometer measures in one place"
-    x, y = (
-        np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(phase) / speed if rates.size else np.zeros((2, PIECES))
-    )
+    x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
     rows = []
     for name, part in (("gradient", np.real), ("rocking", np.imag)):
         key = f"plate.{name}_percent_per_mm"
@@ -234,8 +230,7 @@ def _gradient_rows(rates: Complex, phase: Complex, speed: Array) -> list[Row]:
 def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
     """Return accelerations (mm/s^2) upward, shape (n,), and along the plate, shape (n, 2) or (n, 4), and gravity.
 
-    With four columns the last two are rates of turning (rad/s) about the same axes. Gravity (mm/s^2) is None if it was
-    taken off.
+    With four columns the last two are turning rates (rad/s) about these axes. Gravity is None if it was taken off.
     """
     mean = recording.felt.mean(axis=0)
     moved = recording.felt - mean
@@ -301,10 +296,10 @@ def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
 def _sine_rows(
     name: str, waves: Complex, ratio_key: str, phase_key: str, refused: str, unit: str = "", angle_name: str = "phase"
 ) -> list[Row]:
-    """Return a further sine's amplitude and phase, as rows that set `ratio_key` and `phase_key`.
+    """Return the rows of the further sine `name`: its amplitude in `unit`, and its angle.
 
-    `waves`: complex amplitudes over the drive's, shape (pieces,). Without a reason in `refused`, the rows are refused
-    only if the amplitude is insignificant. `angle_name`: "phase" or "direction".
+    `waves`: complex amplitudes over the drive's, shape (pieces,). Both are refused for the reason `refused`, if any, or
+    for an insignificant amplitude. `angle_name`: "phase" or "direction".
     """
     mean, root = complex(waves.mean()), math.sqrt(len(waves))
     rotated = waves * np.exp(-1j * np.angle(mean))
@@ -326,11 +321,8 @@ def _max_frequency(rate: float) -> float:
     return USED_BANDWIDTH * NYQUIST * rate
 
 
-def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, size: float) -> Quantity:
-    """Compute the r.m.s. velocity without the sines, in the scene's noise band, over the drive's peak speed.
-
-    `rest`: acceleration without the sines, mm/s^2. `omega`, `size`: the drive's angular frequency and acceleration.
-    """
+def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, acceleration: float) -> Quantity:
+    """Return the r.m.s. velocity of `rest` (mm/s^2) in the scene's noise band, over the drive's peak speed."""
     low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
     if not low < high:
         return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, above all measurable frequencies")
@@ -342,7 +334,7 @@ def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, 
         band = (at >= low) & (at <= high)
         kept = 1.0 - HARMONICS / max(int(band.sum()), 2 * HARMONICS)  # of the band, once the sines are taken out
         squares.append(float((power[band] / (2.0 * math.pi * at[band]) ** 2).sum()) / kept)
-    square = _mean_quantity("noise", "", np.array(squares) * (omega / size) ** 2)
+    square = _mean_quantity("noise", "", np.array(squares) * (omega / acceleration) ** 2)
     assert square.value is not None
     assert square.se is not None
     ratio = math.sqrt(square.value)

@@ -32,10 +32,7 @@ def make_report(
     title: str,
     folder: Path,
 ) -> LabReport:
-    """Report the results of a filled form or of a drop.
-
-    `bent`: fit of the strips. `drop`: restitution from the drop test. `measured`: design and scene with new values.
-    """
+    """Report results of a form or a drop. `bent`: fit of strips. `drop`: restitution. `measured`: updated inputs."""
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),

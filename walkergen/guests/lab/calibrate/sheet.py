@@ -80,7 +80,6 @@ def _weights_table(drawn: Sequence[Drawn]) -> str:
 
 
 def _rings_table(drawn: Sequence[Drawn]) -> str:
-    """Return the frequencies at which strips ring, in full and half length, and the time of 20 swings."""
     rows = [
         (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
     ]

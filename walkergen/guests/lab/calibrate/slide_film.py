@@ -68,13 +68,10 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     return Quantity("friction", "", value, total)
 
 
-def _visible_positions(position: Array, interval: float) -> tuple[Array, Array]:
-    """Return times (s, with mean 0) and positions (mm) of the frames that show the part.
-
-    `position`: shape (frames, 2), NaN in frames without the part. `interval`: time between frames, s.
-    """
+def _visible_positions(position: Array, frame_seconds: float) -> tuple[Array, Array]:
+    """Return times (s, mean 0) and positions (mm) of the frames that show the part. Others are NaN in `position`."""
     seen = ~np.isnan(position).any(axis=1)
-    times = interval * np.flatnonzero(seen)
+    times = frame_seconds * np.flatnonzero(seen)
     return times - times.mean(), position[seen]
 
 
@@ -83,15 +80,14 @@ def _acceleration(times: Array, places: Array) -> tuple[float, float, float, flo
     way = places[-1] - places[0]
     ahead = places @ way / (np.linalg.norm(way) or 1.0)
 
-    def fit(degree: int) -> tuple[Array, Array]:
-        """Return the coefficients of a polynomial in time, and their errors."""
+    def fit_polynomial(degree: int) -> tuple[Array, Array]:
         terms = np.vander(times, degree + 1, increasing=True)
         solution, _, _, _ = np.linalg.lstsq(terms, ahead)
         rest = ahead - terms @ solution
         noise = CORRELATED_FRAMES * float(rest @ rest) / max(len(times) - degree - 1, 1)
         return solution, np.sqrt(noise * np.diag(np.linalg.pinv(terms.T @ terms)))
 
-    (_, _, bend), (_, _, error) = fit(2)
-    (*_, third), (*_, third_error) = fit(3)
+    (_, _, bend), (_, _, error) = fit_polynomial(2)
+    (*_, third), (*_, third_error) = fit_polynomial(3)
     span = 6.0 * float(np.ptp(times))
     return 2.0 * float(bend), 2.0 * float(error), span * float(third), span * float(third_error)

@@ -24,7 +24,6 @@ DEFAULT_AIR = Quantity("air", "", 0.0, 0.05)
 MAX_SIZE_ERROR, MIN_SLENDERNESS = 0.25, 10.0
 """Largest relative error of a size; least length of a strip over its thickness, for a beam."""
 
-
 MAX_METHOD_RATIO = 3.0
 """Ratio of the moduli by ring and by weights beyond which neither creep nor a soft clamp explains
 it: plastics differ by tens of percent between a second and a hundredth."""
@@ -175,7 +174,7 @@ def median_modulus(rough: Sequence[Rough], method: str) -> float | None:
 
 
 def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
-    """Return a note if only one method gave a modulus, and it is a typical mistake's factor off `usual` (GPa)."""
+    """Return a note if the only measured modulus is off `usual` (GPa) by the factor of a typical mistake."""
     ring, bend = (median_modulus(rough, method) for method in (RING_METHOD, BEND_METHOD))
     if ring and bend:
         return []
@@ -187,6 +186,6 @@ def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
 
 
 def _describe_slip(ratio: float, slips: Mapping[float, str]) -> str:
-    """Describe the mistake in `slips`, by factor, whose factor is near the ratio, or return ""."""
+    """Return the text of the mistake in `slips`, by factor, whose factor is near `ratio`, or "" if none is near."""
     like = min(slips, key=lambda usual: abs(math.log(ratio / usual)))
     return f"; the ratio is near {slips[like]}" if 1 / SLIP_TOLERANCE <= ratio / like <= SLIP_TOLERANCE else ""

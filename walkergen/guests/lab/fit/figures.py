@@ -30,11 +30,9 @@ def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], 
     speeds, errors = seen.speed / unit, None if seen.se is None else seen.se / unit
     for kind, (fine, speed, error) in curves.items():
         draw_curve(axes, (fine, scale * speed, scale * error), LEG_STYLES[kind], f"fit, {kind} legs")
-        of_kind = np.array([legs == kind for legs in seen.legs])
-        bars = None if errors is None else errors[of_kind]
-        draw_points(
-            axes, (seen.tilt[of_kind], speeds[of_kind], bars), LEG_STYLES[kind], f"measured, {kind} legs", hollow=True
-        )
+        own = np.array([legs == kind for legs in seen.legs])
+        bars = None if errors is None else errors[own]
+        draw_points(axes, (seen.tilt[own], speeds[own], bars), LEG_STYLES[kind], f"measured, {kind} legs", hollow=True)
     label_axes(axes, "tilt of the legs (deg)", "speed (mm/s)" if same else "speed / plate speed")
     axes.legend()
     return figure

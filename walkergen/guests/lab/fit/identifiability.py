@@ -108,7 +108,7 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
 
 
 def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
-    """Return a note on each measured value that is `MAX_DEVIATIONS` or more of its standard deviations off the fit."""
+    """Return a note on each measured prior whose mean is more than `MAX_DEVIATIONS` of its deviations off the fit."""
     notes = []
     for parameter, row in zip(parameters, rows, strict=True):
         prior = parameter.prior

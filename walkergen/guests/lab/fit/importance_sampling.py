@@ -34,8 +34,7 @@ def sample(
 ) -> Posterior:
     """Sample the posterior of the parameters, given the speeds observed in each setting.
 
-    `responses`: functions that predict the speed in each setting. Equal seeds give equal draws. Raises InputError when
-    too few draws agree with the speeds.
+    `responses`: functions that predict the speed in each setting. Raises InputError if too few draws agree with speeds.
     """
     from scipy.special import ndtr
 
@@ -58,7 +57,7 @@ def sample(
             chosen = rng.choice(len(all_z), KEPT_DRAWS, p=weight)
             draws = prior_values(parameters, ndtr(all_z[chosen]))
             return Posterior(draws, len(all_z), independent, float(squares.min()))
-        weight = _temper_weights(log_weights)
+        weight = _temper_weights(log_weights)  # a few heavy draws would span too narrow a region
         mean = weight @ all_z
         centred = (all_z - mean) * np.sqrt(weight)[:, None]
         spread = SPREAD_FACTOR**2 * (centred.T @ centred) + 1e-9 * np.eye(dimension)
@@ -70,10 +69,7 @@ def sample(
 
 
 def _log_density(z: Array, mean: Array, cholesky: Array) -> Array:
-    """Return the logarithm, up to a constant, of the sampling density at each row of `z`, shape (n, parameters).
-
-    It mixes the prior, a standard normal, with a normal of this mean and Cholesky factor of the covariance.
-    """
+    """Return the log density, up to a constant, from which rows of `z` are drawn: prior, or normal about `mean`."""
     standard = np.linalg.solve(cholesky, (z - mean).T)
     adapted = -0.5 * np.sum(standard**2, axis=0) - np.log(np.diag(cholesky)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)
@@ -88,10 +84,7 @@ def _normalise_weights(log_weights: Array) -> Array:
 
 
 def _temper_weights(log_weights: Array) -> Array:
-    """Raise weights to a power of at most 1 so that they are worth a tenth of MIN_INDEPENDENT independent draws.
-
-    If a few draws had all the weight, the next round would sample too narrow a region.
-    """
+    """Raise weights to the first power of 1, 0.7, 0.49 ... that makes them worth MIN_INDEPENDENT / 10 draws."""
     power = 1.0
     while True:
         weight = _normalise_weights(power * log_weights)

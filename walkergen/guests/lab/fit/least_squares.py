@@ -95,9 +95,8 @@ def speeds_per_factor(speeds: Speeds, restitution: Array | float, friction: Arra
 def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = True) -> ContactFit:
     """Fit the contact parameters that are not in `fixed` to speeds, by weighted least squares.
 
-    `profiles`: whether to compute intervals by profile likelihood, in about a second. Raises InputError when all are
-    fixed, when there are fewer speeds than free parameters plus one, or when the theory gives nearly speed 0 to all
-    walkers.
+    `profiles`: whether to compute intervals by profile likelihood, in about a second. Raises InputError if all are
+    fixed, for fewer speeds than free parameters plus one, or if the theory gives all walkers nearly speed 0.
     """
     free = [name for name in RANGES if name not in fixed]
     dof = len(speeds.speed) - len(free)
@@ -254,10 +253,7 @@ class _Uncertainty(NamedTuple):
 
 
 def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Uncertainty:
-    """Compute the covariance of the free parameters at `values`, from the eigenvectors of the information.
-
-    `slopes`: derivatives of the speeds by the parameters, in standard errors, shape (n, free).
-    """
+    """Compute the covariance of the free parameters. `slopes`: derivatives of speeds over errors, shape (n, free)."""
     information = slopes.T @ slopes
     norm = np.sqrt(np.diag(information))
     weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
@@ -283,10 +279,10 @@ def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[
 
 
 def _notes(
-    uncertainty: _Uncertainty, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
+    fitted: _Uncertainty, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
 ) -> list[str]:
     """Return notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
-    errors, together = uncertainty.errors, uncertainty.together
+    errors, together = fitted.errors, fitted.together
 
     def is_vague(name: str) -> bool:
         error = errors[name]
@@ -295,12 +291,10 @@ def _notes(
         low, high = intervals.get(name) or (values[name] - error, values[name] + error)
         return low is None or high is None or high > MAX_INTERVAL_RATIO * low
 
-    notes = [
-        f"{name}: none of these speeds depends on it. Measure other tilts, or fix it" for name in uncertainty.unseen
-    ]
-    if uncertainty.level <= MIN_EIGENVALUE and len(together) >= 2:
+    notes = [f"{name}: none of these speeds depends on it. Measure other tilts, or fix it" for name in fitted.unseen]
+    if fitted.level <= MIN_EIGENVALUE and len(together) >= 2:
         names = ", ".join(together[:-1]) + f" and {together[-1]}"
-        evidence = f"(smallest eigenvalue of the information {max(uncertainty.level, 0.0):.2g})"
+        evidence = f"(smallest eigenvalue of the information {max(fitted.level, 0.0):.2g})"
         notes.append(
             f"{names} cannot be separated {evidence}: fix one, ‹fix› {together[0]}=..."
             if any(map(is_vague, together))

@@ -189,10 +189,7 @@ def _sample_with_surrogate(
     unmeasured: Sequence[Setting],
     progress: Progress,
 ) -> tuple[Posterior, Sequence[SpeedModel], Sequence[SpeedModel]]:
-    """Sample the posterior with the surrogate's speeds.
-
-    Returns also the functions that predict the speeds in the measured settings, and in the `unmeasured` ones.
-    """
+    """Sample the posterior with the surrogate. Returns also speed models of the measured and `unmeasured` settings."""
     responses, unmeasured_responses = (surrogate_speeds.responses(inputs, some) for some in (settings, unmeasured))
     seed = inputs.scene.run.seed
     sampled = importance_sampling.sample(inputs.unknown.sampled, observed, responses, seed, progress)
@@ -252,18 +249,11 @@ def _fit_responses(inputs: FitInputs, settings: Sequence[Setting], x: Array, y: 
 
 
 def _predict_bands(
-    inputs: FitInputs,
-    settings: Sequence[Setting],
-    responses: Sequence[SpeedModel],
-    sampled: Posterior,
-    is_measured: bool,
+    inputs: FitInputs, settings: Sequence[Setting], models: Sequence[SpeedModel], sampled: Posterior, is_measured: bool
 ) -> list[Band]:
-    """Compute bands of the speed of a new print in each setting, with the emulators' errors and the scatter of prints.
-
-    `is_measured`: whether these are the settings whose speeds were fitted.
-    """
+    """Compute bands of speeds of new prints in each setting. `is_measured`: these are the settings that were fitted."""
     bands = []
-    for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
+    for number, (setting, response) in enumerate(zip(settings, models, strict=True)):
         rng = np.random.default_rng([inputs.scene.run.seed, number, is_measured])
         speeds = posterior.speed_draws(sampled.draws, response, rng)
         _, _, scatter = response(sampled.draws[:: posterior.KEPT_DRAWS // 64])

@@ -35,7 +35,7 @@ class FitReport(LabReport):
 
     @property
     def bands(self) -> Table:
-        """Table of the predicted speeds (mm/s) of another print at every tilt, with bounds. Not of the model theory."""
+        """Table of predicted speeds (mm/s) of another print at every tilt, with bounds. The model theory has none."""
         return self["bands"]
 
 
@@ -97,12 +97,9 @@ def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) 
         report.text_column("before", "prior"),
     )
     kept = np.linspace(0, len(posterior.draws) - 1, min(MAX_DRAWS, len(posterior.draws))).round().astype(int)
-    bands_by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
+    by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
     settings = zip(map(float, learned.seen.tilt), map(float, learned.seen.plate_speed), strict=True)
-    bounds = [
-        (bands_by_setting[setting].speed_mm_s, bands_by_setting[setting].low_95, bands_by_setting[setting].high_95)
-        for setting in settings
-    ]
+    bounds = [(by_setting[key].speed_mm_s, by_setting[key].low_95, by_setting[key].high_95) for key in settings]
     tables = [
         Table("fit", learned.rows, ("parameter", *learned.rows[0]._fields[1:]), columns, "Parameters"),
         report.table_from_rows("bands", learned.bands, BAND_COLUMNS, "Speeds of one more print"),

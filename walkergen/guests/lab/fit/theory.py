@@ -50,10 +50,10 @@ class Fitted(NamedTuple):
 
 
 def fit(request: FitFields, setup: Setup, held: Mapping[str, float], progress: Progress) -> Fitted:
-    """Fit the theory's contact to a CSV file of speeds.
+    """Fit the theory's contact to a CSV file of speeds, with the parameters in `held` fixed.
 
-    Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
-    where blank). Raises InputError for unusable input.
+    Columns: tilt_deg, speed_mm_s and optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's where blank). Raises
+    InputError for unusable input.
     """
     (design, scene), path = setup, request.speeds
     if not design.alike:

@@ -135,7 +135,7 @@ class AnalyseRequest(request.Request):
 
 
 def _to_csv(tracks: Any) -> str:
-    """Return columns as the text of a CSV file, with every digit. Raises InputError."""
+    """Return a report, table, pandas frame or mapping of columns as CSV text, with every digit. Raises InputError."""
     import numpy as np
 
     from walkergen.core.files.tables import csv_text

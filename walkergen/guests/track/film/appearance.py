@@ -184,7 +184,7 @@ def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: floa
 
 
 def _frame_noise(fields: Sequence[Floats]) -> float:
-    """Estimate the deviation of contrasts between frames, `fields`, from its median size, since little moves."""
+    """Estimate the deviation of contrasts between frames, an array each, by the median change, since little moves."""
     steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
@@ -216,10 +216,9 @@ def _sharp_spots(field: Floats, slope: Floats, threshold: float) -> Iterator[tup
 
 
 def connected_pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:
-    """Yield the connected pieces of a mask, each alone in its own box, after the box's place.
+    """Yield the connected pieces of a mask: the box of each, and the piece alone within this box.
 
-    Only those that may hold something `width` pixels wide, and none that touches the mask's border, as a table around
-    the plate does.
+    Pieces narrower than `width` (pixels) are left out, as are those at the mask's border, such as a table around it.
     """
     labels, _ = ndimage.label(mask, EIGHT_NEIGHBOURS)
     for number, box in enumerate(ndimage.find_objects(labels), start=1):

@@ -50,7 +50,7 @@ class Unmarked(NamedTuple):
 def track(
     film: Film, part: Box, request: TrackFields, lens: Lens | None, progress: Progress
 ) -> tuple[Tracked, Unmarked]:
-    """Track the walkers in a part of a film's frames, with the findings behind them. Raises InputError for none."""
+    """Track the walkers in a part of a film's frames. Return also the findings behind the tracks. Raises InputError."""
     frames = _find_in_frames(film, part, request, progress)
     linked = linking.link(frames.blobs, request.frames[0], frames.clock.fps)
     straight = [_undistort(seen, lens, part) for seen in linked.walkers]
@@ -114,10 +114,8 @@ def _undistort(seen: Seen, lens: Lens | None, part: Box) -> Seen:
 
 def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
     """Return the length of a walker (pixels). `straight`: `linked.walkers` corrected for the lens."""
-    seen, corrected = (
-        np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight)
-    )
-    return linked.length * float(np.median(corrected / seen))
+    raw, true = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
+    return linked.length * float(np.median(true / raw))
 
 
 def find_scale(request: TrackFields, length: float) -> Quantity:
@@ -141,14 +139,12 @@ def _make_walker(
     `seen`, `straight`: its blobs as filmed, and corrected for the lens. `by`: source of headings. `scale`: mm a pixel.
     """
     left, top, _, _ = part
-    pixels, corrected = (
-        np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs)
-    )
-    position = scale * np.column_stack([corrected[:, 0], film.height - corrected[:, 1]])
+    raw, true = (np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs))
+    position = scale * np.column_stack([true[:, 0], film.height - true[:, 1]])
     headings = heading.find_headings(straight, by)
-    outlines = [_make_outline(seen, at, pixels[at], headings.theta[at]) for at in (0, -1)]
+    outlines = [_make_outline(seen, at, raw[at], headings.theta[at]) for at in (0, -1)]
     size = float(np.median(seen.blobs.length))
-    return Walker(number, seen.frames, pixels, position, headings.theta, headings.how, size, (outlines[0], outlines[1]))
+    return Walker(number, seen.frames, raw, position, headings.theta, headings.how, size, (outlines[0], outlines[1]))
 
 
 def _make_outline(seen: Seen, at: int, middle: Array, theta: float) -> Outline:

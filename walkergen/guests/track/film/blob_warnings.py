@@ -104,10 +104,7 @@ def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
 
 
 def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quantity, scatter: float) -> Iterator[str]:
-    """Yield warnings of the effects of light and camera on positions, each with its size.
-
-    `pull`: of shadows, pixels. `change`, `scatter`: of a walker's size, between places and between frames.
-    """
+    """Yield warnings on light and camera: `pull` of shadows (pixels), `change` of size by place, `scatter` by frame."""
     look, shake = found.look, found.shake
 
     def format_length(pixels: float) -> str:
@@ -196,7 +193,7 @@ def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
 
 
 def _subtract_means(values: Array, owner: Whole) -> Array:
-    """Subtract from each value the mean of its walker, the number in `owner`. Shapes: (n,)."""
+    """Subtract from each value the mean of its walker. `owner`: number of its walker. Shapes: (n,)."""
     means = np.bincount(owner, values) / np.bincount(owner)
     return np.asarray(values - means[owner])
 

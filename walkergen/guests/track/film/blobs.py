@@ -35,7 +35,6 @@ MIN_MARK_CONTRAST, MAX_MARK_SHARE = 0.25, 0.3
 MIN_MARK_OFFSET = 0.08
 """Smallest distance of a mark from the centre, over a walker's length."""
 
-
 MIN_CORE_CONTRAST, CORE_QUANTILE = 0.8, 0.7
 """Least contrast of a walker's inside over its own, where a shadow has less; its own is that below
 which this share of all that is taken for it lies."""
@@ -109,10 +108,7 @@ def _coverage(mask: Mask, field: Floats) -> Floats:
 
 
 def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
-    """Return the offset (x, y, pixels) of a blob's middle from the middle of its dark (or light) core, due to a shadow.
-
-    `field`: contrasts. Marks within the core do not count.
-    """
+    """Return the offset (x, y, pixels) of a blob from its core, where the contrast `field` is high, due to a shadow."""
     core = ndimage.binary_fill_holes(piece & (field > MIN_CORE_CONTRAST * np.quantile(field[piece], CORE_QUANTILE)))
     (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
     return float(col - own_col), float(row - own_row)
@@ -164,10 +160,7 @@ def _extent(weight: Floats, off: Floats, half: float) -> float:
 
 
 def _mark_direction(mask: Mask, field: Floats, blob: Blob, left: int, top: int, look: Appearance) -> float:
-    """Return the direction (rad) from a walker's centre to its mark, the most different spot, or NaN without one.
-
-    `mask`, `field`: pixels of the walker, and contrasts, from column `left` and row `top` of the frame.
-    """
+    """Return the direction (rad) from a walker's centre to its most different spot, its mark, or NaN without one."""
     interior = ndimage.distance_transform_edt(mask) > max(1.5, MARK_DEPTH * look.width)
     if not interior.any():
         return math.nan

@@ -10,7 +10,7 @@ from walkergen.request import Flag
 
 
 def _parse_frames(value: Any) -> Any:
-    """Parse the first frame, and the one after the last."""
+    """Parse FIRST:LAST to the numbers of the first frame and of the one after the last, None for the end."""
     if not isinstance(value, str):
         return value
     first, colon, last = value.partition(":")
@@ -21,7 +21,7 @@ def _parse_frames(value: Any) -> Any:
 
 
 def _parse_region(value: Any) -> Any:
-    """Parse left, top, width and height."""
+    """Parse LEFT,TOP,WIDTH,HEIGHT to four whole numbers of pixels."""
     if not isinstance(value, str):
         return value
     cells = [cell.strip() for cell in value.split(",")]

@@ -138,10 +138,7 @@ def _parse_ratio(text: bytes) -> Fraction:
 
 @contextmanager
 def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progress) -> Iterator[Reel]:
-    """Decode the frames from number `frames[0]` to `frames[1]` - 1, or to the end if that is None.
-
-    Yields the frames, cropped to `part`, with their expected number and the file of their times.
-    """
+    """Yield a Reel of the frames from number `frames[0]` to `frames[1]` - 1, or the end if None, cropped to `part`."""
     first, last = frames
     count = len(film.pictures) or round(film.seconds * (film.fps or 0.0))
     expected = max((count if last is None else last) - first, 1)

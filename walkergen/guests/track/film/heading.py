@@ -93,7 +93,7 @@ def _distance_ahead(axis: Array, walker: Seen, part: slice) -> float:
 
 
 def unwrap(theta: Array) -> Array:
-    """Unwrap angles, counting whole turns, each from the previous known one."""
+    """Unwrap angles (rad), skipping NaN, so that whole turns count. The first known angle is moved to -pi..pi."""
     unwrapped, certain = theta.copy(), ~np.isnan(theta)
     unwrapped[certain] = np.unwrap(theta[certain])
     if certain.any():

@@ -94,7 +94,7 @@ class Lens(NamedTuple):
         places = np.column_stack([blobs.x, blobs.y]) + offset + 0.5
 
         def along(angle: Array) -> Array:
-            """Return stretched unit vectors at angles as seen in the picture, shape (n, 2)."""
+            """Return the corrected images of unit vectors at these angles, shape (n, 2)."""
             step = STRETCH_STEP_PX * np.column_stack([np.cos(angle), -np.sin(angle)])
             ways = self.undistort(places + step) - self.undistort(places - step)
             return np.asarray(0.5 * ways / STRETCH_STEP_PX)

@@ -88,7 +88,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
 
 
 def typical_area(areas: Array) -> float:
-    """Compute the typical area of a walker: half of the total area found is in larger things.
+    """Compute the area of a typical walker: larger things have half of the total area.
 
     Many small things, or a few walkers that touch, do not change it.
     """
@@ -97,10 +97,7 @@ def typical_area(areas: Array) -> float:
 
 
 def _link_numbers(frames: Sequence[Sequence[Blob]], radius: float, memory: int) -> list[list[int]]:
-    """Return the number of the walker that each blob of each frame belongs to. Raises InputError.
-
-    `radius`: longest way between frames, pixels. `memory`: frames for which a lost walker is remembered.
-    """
+    """Return the walker of each blob, linked over `radius` (pixels) and `memory` (frames). Raises InputError."""
     import trackpy
 
     trackpy.quiet()

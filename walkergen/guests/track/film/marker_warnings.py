@@ -165,8 +165,8 @@ class Missing(NamedTuple):
 def count_missing(tracked: Tracked) -> list[Missing]:
     """Count the frames that must contain each walker but do not show it.
 
-    These run from its first frame to its last. They also include frames before and after if it was seen in the middle
-    of the picture: walkers enter only over the edge.
+    A walker must be in all frames from its first to its last. If it was seen in the middle of the picture, it must be
+    in those before and after too: walkers enter only over the edge.
     """
     first = tracked.request.frames[0]
     read = np.zeros(tracked.looked, int)
@@ -229,7 +229,7 @@ def _format_counts(frames: Mapping[int, int]) -> str:
 
 
 def _gap_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
-    """Yield warnings of frames without any marker, with their longest time."""
+    """Yield a warning of frames without any marker, with the longest time in a row."""
     if not len(found.empty):
         return
     runs = np.split(found.empty, np.flatnonzero(np.diff(found.empty) > 1) + 1)

@@ -128,7 +128,7 @@ def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
 
 
 def _intersect_lines(normal: Array, point: Array) -> Array:
-    """Return the corners where the line of a side meets that of the side before. All shapes: (n, 4, 2)."""
+    """Return the corners where the line of a side, by normal and point, meets the line before. Shapes: (n, 4, 2)."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)

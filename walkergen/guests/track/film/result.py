@@ -56,7 +56,7 @@ class Walker(NamedTuple):
 
     @property
     def turned_deg(self) -> float | None:
-        """Change of its heading from the first that is known to the last; None for fewer than one."""
+        """Change of its heading from the first that is known to the last, or None if none is known."""
         known = self.theta[~np.isnan(self.theta)]
         return math.degrees(float(known[-1] - known[0])) if len(known) else None
 
