@@ -24,7 +24,7 @@ from walkergen.guests.movie.request import MovieRequest
 from walkergen.guests.track.film import appearance, blob_tracking, blobs, films, heading, linking, make, report
 from walkergen.guests.track.film import figures as film_figures
 from walkergen.guests.track.film.blobs import Blob, Blobs
-from walkergen.guests.track.film.linking import Seen
+from walkergen.guests.track.film.linking import Track
 from walkergen.guests.track.film.request import TrackRequest
 
 HIGH, WIDE = 160, 240
@@ -142,7 +142,7 @@ def seen_of(x, y, axis, mark=None, frames=None, ratio=3.0):
         none,
         none,
     )
-    return Seen(np.arange(len(x)) if frames is None else np.asarray(frames), blobs)
+    return Track(np.arange(len(x)) if frames is None else np.asarray(frames), blobs)
 
 
 TURN = np.linspace(0.0, 15.0, 120)

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import INK, LEG_STYLES, MIN_FONT_PT, draw_points, label_axes, new_axes, style
-from walkergen.guests.lab.calibrate.modulus import Bent
+from walkergen.guests.lab.calibrate.modulus import Moduli
 from walkergen.guests.lab.calibrate.specimens import BEND_METHOD, RING_METHOD
 
 METHOD_LOOKS = {
@@ -24,20 +24,20 @@ METHOD_OFFSET = 0.008
 
 
 @style()
-def draw_strips(bent: Bent, title: str) -> Figure:
+def draw_strips(moduli: Moduli, title: str) -> Figure:
     """Draw the modulus by each strip and method against thickness, and the fitted modulus."""
     figure, axes = new_axes(title)
-    fit = bent.fit
+    fit = moduli.fit
     modulus, sd = fit.number.pair
     axes.axhspan(modulus - sd, modulus + sd, color="0.85", linewidth=0)
     quality = "" if fit.probability is None else f", chi² {fit.chi2:.1f} for {fit.dof}"
     axes.axhline(
-        modulus, color="0.35", linewidth=0.9, label=f"{FIT_LABELS[bent.by]}: {modulus:.2f} ± {sd:.2f} GPa{quality}"
+        modulus, color="0.35", linewidth=0.9, label=f"{FIT_LABELS[moduli.by]}: {modulus:.2f} ± {sd:.2f} GPa{quality}"
     )
-    thicknesses = {point.strip: point.thickness.pair[0] for point in bent.points}
+    thicknesses = {point.strip: point.thickness.pair[0] for point in moduli.points}
     step = METHOD_OFFSET * max(thicknesses.values())
     for method, (look, hollow, side, label) in METHOD_LOOKS.items():
-        points = [point for point in bent.points if point.method == method]
+        points = [point for point in moduli.points if point.method == method]
         if points:
             at = np.array([thicknesses[point.strip] for point in points]) + side * step
             values, errors = np.array([point.modulus.pair for point in points]).T

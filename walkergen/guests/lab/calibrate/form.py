@@ -228,12 +228,12 @@ def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
     return _parse_number(column, cell, 1e5, allow_zero=True) if cell else 0.0
 
 
-def _parse_number(what: str, cell: str, most: float, allow_zero: bool = False) -> float:
-    """Parse a number up to `most`, called `what` in messages. `allow_zero`: whether the least is 0, else MIN_ERROR."""
+def _parse_number(name: str, cell: str, largest: float, allow_zero: bool = False) -> float:
+    """Parse a number up to `largest`, called `name` in messages. `allow_zero`: else it must be MIN_ERROR or more."""
     value = formatting.parse_number(cell)
-    least = 0.0 if allow_zero else MIN_ERROR
-    if value is None or not least <= value <= most:
-        raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")
+    smallest = 0.0 if allow_zero else MIN_ERROR
+    if value is None or not smallest <= value <= largest:
+        raise InputError(f"{name} = {cell.strip()[:30]!r}: must be a number >= {smallest:g} and <= {largest:g}")
     return value
 
 

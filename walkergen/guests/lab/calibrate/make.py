@@ -16,7 +16,7 @@ from walkergen.guests.lab.calibrate.contact import Rebound
 from walkergen.guests.lab.calibrate.estimate import Estimate
 from walkergen.guests.lab.calibrate.fields import CalibrateFields
 from walkergen.guests.lab.calibrate.form import Readings
-from walkergen.guests.lab.calibrate.modulus import Bent
+from walkergen.guests.lab.calibrate.modulus import Moduli
 from walkergen.guests.lab.inverse import Answer
 from walkergen.guests.lab.report import LabReport, Setup, name_after, write_report
 
@@ -37,18 +37,18 @@ def calibrate_form(request: CalibrateFields, setup: Setup, folder: Path, progres
     readings = form.read_form(path)
     density = contact.density(readings)
     strips, notes = specimens.from_readings(readings)
-    bent = _fit_modulus(strips, density, setup.design, request.by, notes) if strips else None
+    moduli = _fit_modulus(strips, density, setup.design, request.by, notes) if strips else None
     means = {"friction": contact.friction(readings), "damping": contact.damping(readings)}
-    estimates = [each for each in (*(bent.estimates if bent else ()), density, *means.values()) if each is not None]
+    estimates = [each for each in (*(moduli.estimates if moduli else ()), density, *means.values()) if each is not None]
     measured = _apply_settings(estimates, setup, path)
     rebound, drop = contact.rebound(readings), None
     if rebound is not None:
         drop = _invert_rebound(rebound, measured, request, progress)
-    missing = _missing_notes(readings, bent, density, means, drop)
+    missing = _missing_notes(readings, moduli, density, means, drop)
     if drop is None and not any(each.sets for each in estimates):
         raise InputError(f"{path}: no quantity can be estimated: {'; '.join([*notes, *missing])}")
-    if bent is not None:
-        notes += [*_strip_notes(bent), *_leg_notes(bent, measured.design)]
+    if moduli is not None:
+        notes += [*_strip_notes(moduli), *_leg_notes(moduli, measured.design)]
     for what, each in means.items():
         if each is not None and not each.agrees:
             notes.append(f"{what}: {', '.join(each.parts)} disagree, which increases its error")
@@ -56,7 +56,7 @@ def calibrate_form(request: CalibrateFields, setup: Setup, folder: Path, progres
         estimates += [rebound.estimate, *_restitution(rebound, drop)]
         notes += _drop_notes(rebound, drop)
         measured = _apply_settings(estimates, setup, path)
-    made = report.make_report(estimates, bent, drop, [*notes, *missing], measured, path.name, folder)
+    made = report.make_report(estimates, moduli, drop, [*notes, *missing], measured, path.name, folder)
     choices = {"file": path.name, "by": request.by, "roll_deg": request.roll_deg, "drops": request.drops}
     choices["settings"] = made.settings
     return write_report(made, setup, choices, request.pictures, f"Measured: {path.name}")
@@ -84,7 +84,7 @@ def calibrate_drop(request: CalibrateFields, setup: Setup, folder: Path, progres
 
 def _fit_modulus(
     strips: Sequence[specimens.Specimen], measured: Estimate | None, design: Design, method: str, notes: list[str]
-) -> Bent:
+) -> Moduli:
     """Fit the modulus of the strips by `method`, with the density `measured` or else the design's. Adds to `notes`."""
     material = design.material
     drawn = material.density_g_cm3
@@ -96,7 +96,7 @@ def _fit_modulus(
     if not chosen:
         raise InputError(f"‹by=›{method}: no strip has readings of this method. Use another method, or add readings")
     fit, points = modulus.fit(chosen, density), modulus.fit_each_strip(strips, density)
-    return Bent(fit, points, method, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
+    return Moduli(fit, points, method, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
 
 
 def _invert_rebound(rebound: Rebound, setup: Setup, request: CalibrateFields, progress: Progress) -> Answer | None:
@@ -145,12 +145,12 @@ def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
     ]
 
 
-def _strip_notes(bent: Bent) -> list[str]:
+def _strip_notes(moduli: Moduli) -> list[str]:
     """Return notes on whether the strips agree, and on changes that would make them agree."""
     notes = []
-    if not bent.fit.agrees:
+    if not moduli.fit.agrees:
         notes.append("the strips disagree beyond their errors, which increases the error of the modulus")
-    if (ring := bent.ring_over_bend) is not None and ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
+    if (ring := moduli.ring_over_bend) is not None and ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
         excess, sd = ring.pair
         cause = (
             "creep under the weight, or a density too high"
@@ -161,7 +161,7 @@ def _strip_notes(bent: Bent) -> list[str]:
             f"the modulus from the ring differs by {excess:+.0f} ± {sd:.0f} % from that under weights: {cause}. "
             "Legs swing as fast as the ring or faster; ‹by=›ring uses the ring alone"
         )
-    if (offset := bent.offset) is not None and offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
+    if (offset := moduli.offset) is not None and offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
         added, sd = offset.pair
         notes.append(
             f"{added:+.3f} ± {sd:.3f} mm on every thickness would make the strips agree best: "
@@ -170,13 +170,13 @@ def _strip_notes(bent: Bent) -> list[str]:
     return notes
 
 
-def _leg_notes(bent: Bent, design: Design) -> list[str]:
+def _leg_notes(moduli: Moduli, design: Design) -> list[str]:
     """Return a note if a leg prints thicker or thinner than drawn, from the most similar strip.
 
     The thickness is not set, because its key also determines the print.
     """
     drawn = design.limbs[0].thickness
-    near = min(bent.points, key=lambda point: abs(point.thickness.pair[0] - drawn))
+    near = min(moduli.points, key=lambda point: abs(point.thickness.pair[0] - drawn))
     thick, sd = near.thickness.pair
     if (
         abs(thick - drawn) > MAX_THICKNESS_DIFFERENCE * drawn
@@ -191,20 +191,20 @@ def _leg_notes(bent: Bent, design: Design) -> list[str]:
 
 def _missing_notes(
     readings: Readings,
-    bent: Bent | None,
+    moduli: Moduli | None,
     density: Estimate | None,
     means: Mapping[str, Estimate | None],
     drop: Answer | None,
 ) -> list[str]:
     """Return a note on each quantity without an estimate, with the reason."""
     notes = []
-    if bent is None:
+    if moduli is None:
         notes.append("no Young's modulus: no strip has sizes and a deflection or a ring")
     if density is None:
         lacking = [name for name in contact.DENSITY_READINGS if name not in readings.get("block", {})]
         some = len(lacking) < len(contact.DENSITY_READINGS)
         lack = f"the block lacks {', '.join(lacking)}" if some else "the block has no readings"
-        assumed = f". Strips use the design's, ± {100 * modulus.DENSITY_SD:g} %" if bent is not None else ""
+        assumed = f". Strips use the design's, ± {100 * modulus.DENSITY_SD:g} %" if moduli is not None else ""
         notes.append(f"no density: {lack}{assumed}")
     if means["friction"] is None:
         notes.append("no friction: block and walker have no slides_deg or filmed_deg")

@@ -66,7 +66,7 @@ class Point(NamedTuple):
     readings: int
 
 
-class Bent(NamedTuple):
+class Moduli(NamedTuple):
     """Results of the strips."""
 
     fit: Estimate

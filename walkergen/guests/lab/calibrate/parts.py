@@ -51,7 +51,7 @@ HEAVY_BEND_RATIO, LIGHT_BEND_RATIO = 0.1, 0.05
 """Target depths over length of a strip under the heaviest and a light weight."""
 
 
-class Drawn(NamedTuple):
+class DrawnStrip(NamedTuple):
     """Strip of the plate as drawn."""
 
     name: str
@@ -63,7 +63,7 @@ class Drawn(NamedTuple):
     """Frequency at which it rings, at the design's modulus and density."""
 
 
-def make_strips(design: Design, printer: Printer) -> list[Drawn]:
+def make_strips(design: Design, printer: Printer) -> list[DrawnStrip]:
     """Design strips that are whole printed lines thick. One of them is as thick as the design's first leg.
 
     Their lengths follow from the design's material, and the printer's bed.
@@ -73,14 +73,14 @@ def make_strips(design: Design, printer: Printer) -> list[Drawn]:
     spacing = printer.line_width_mm - rounding
     width = max(1, round(WIDTH_MM / layer_height)) * layer_height
     longest = printer.bed_width_mm - 2.0 * border_width(printer) - CLAMP_MM[0]
-    drawn = []
+    strips = []
     for lines in STRIP_NUMBERS:
         thickness = round(lines * spacing + rounding, 3)
         if abs(leg - thickness) < 0.5 * spacing:
             thickness = leg
         strip = Strip(thickness, width, _free_length(thickness, design, longest))
-        drawn.append(_make_strip(f"strip_{lines}", strip, design))
-    return drawn
+        strips.append(_make_strip(f"strip_{lines}", strip, design))
+    return strips
 
 
 def _free_length(thickness: float, design: Design, longest: float) -> float:
@@ -93,16 +93,16 @@ def _free_length(thickness: float, design: Design, longest: float) -> float:
     return min(max(LENGTH_STEP_MM * round(length / LENGTH_STEP_MM), least), most)
 
 
-def _make_strip(name: str, strip: Strip, design: Design) -> Drawn:
+def _make_strip(name: str, strip: Strip, design: Design) -> DrawnStrip:
     """Return the strip with the weights that bend it and the frequency of its ring."""
     bending = beams.bending_stiffness(design.material.youngs_modulus, strip)
     length = beams.effective_length(strip.length, strip)
     mass = beams.moving_mass(1e-3 * design.material.density_g_cm3, strip)
     heavy, light = (3.0 * bending * bend / (GRAVITY * length**2) for bend in (HEAVY_BEND_RATIO, LIGHT_BEND_RATIO))
-    return Drawn(name, strip, heavy, light, beams.natural_frequency(bending, mass, length))
+    return DrawnStrip(name, strip, heavy, light, beams.natural_frequency(bending, mass, length))
 
 
-def strip_mesh(drawn: Drawn) -> Mesh:
+def strip_mesh(drawn: DrawnStrip) -> Mesh:
     """Build the mesh of a strip in one piece with its block, as printed, z up from the bed."""
     long, deep = CLAMP_MM
     block = np.array([(-long, -0.5 * deep), (0.0, -0.5 * deep), (0.0, 0.5 * deep), (-long, 0.5 * deep)])
@@ -115,7 +115,7 @@ def strip_mesh(drawn: Drawn) -> Mesh:
     return extrude([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
 
 
-def air_percent(drawn: Drawn, printer: Printer) -> float:
+def air_percent(drawn: DrawnStrip, printer: Printer) -> float:
     """Compute the percentage of a strip's cross-section that the printer's lines leave open."""
     return max(-100.0 * walls.deviation(drawn.strip.thickness, printer), 0.0)
 

@@ -18,8 +18,8 @@ from walkergen.files.report import Report, Table
 from walkergen.guests.lab.calibrate import form, parts, plate_files
 from walkergen.guests.lab.calibrate import sheet as measuring
 from walkergen.guests.lab.calibrate.fields import CalibrateFields
-from walkergen.guests.lab.calibrate.parts import Drawn
-from walkergen.guests.lab.calibrate.plate_files import Laid, Piece
+from walkergen.guests.lab.calibrate.parts import DrawnStrip
+from walkergen.guests.lab.calibrate.plate_files import Layout, Piece
 
 STEM = "calibration"
 
@@ -56,23 +56,23 @@ def make_plate(
     PrintabilityError for those that would not print.
     """
     drawings = [(parts.make_strips(design, printer), printer) for printer in printers]
-    laid = [
-        plate_files.arrange(_make_pieces(design, drawn, printer), printer, request.max_plates)
-        for drawn, printer in drawings
+    layouts = [
+        plate_files.arrange(_make_pieces(design, strips, printer), printer, request.max_plates)
+        for strips, printer in drawings
     ]
-    findings = combine_printers([(batch.printer.name, batch.findings) for batch in laid])
+    findings = combine_printers([(batch.printer.name, batch.findings) for batch in layouts])
     report_findings(findings)
     check_printable(findings, request.strict)
     paths: list[Path] = []
-    for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
-        progress(printer.name, number, len(laid))
-        paths += _write_printer_files(request, design, drawn, batch, folder / STEM)
+    for number, ((strips, printer), batch) in enumerate(zip(drawings, layouts, strict=True)):
+        progress(printer.name, number, len(layouts))
+        paths += _write_printer_files(request, design, strips, batch, folder / STEM)
     path = folder / STEM / form.FORM_FILE
     first, machine = drawings[0]
     air = {strip.name: parts.air_percent(strip, machine) for strip in first}
     if form.write_empty_form(path, air):
         paths.append(path)
-    return _make_report([row for batch in laid for row in _locate_parts(batch)], paths, path)
+    return _make_report([row for batch in layouts for row in _locate_parts(batch)], paths, path)
 
 
 def _make_report(rows: Sequence[Place], files: Sequence[Path], form_path: Path) -> Report:
@@ -92,10 +92,10 @@ def _make_report(rows: Sequence[Place], files: Sequence[Path], form_path: Path) 
     )
 
 
-def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
+def _make_pieces(design: Design, strips: Sequence[DrawnStrip], printer: Printer) -> list[Piece]:
     """Build strips, block and walker as they lie on the bed, each with the findings of its checks."""
     checked = []
-    for part in drawn:
+    for part in strips:
         mesh, strip = parts.strip_mesh(part), part.strip
         wall = Wall("strip", strip.thickness, 1.0, strip.width)
         seen = checks.check_piece(part.name, [wall], mesh, printer)
@@ -109,48 +109,48 @@ def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> li
 
 
 def _write_printer_files(
-    request: CalibrateFields, design: Design, drawn: Sequence[Drawn], laid: Laid, folder: Path
+    request: CalibrateFields, design: Design, strips: Sequence[DrawnStrip], layout: Layout, folder: Path
 ) -> list[Path]:
     """Write the files of one printer and return their paths."""
-    start = f"{STEM}_{laid.printer.name}"
+    start = f"{STEM}_{layout.printer.name}"
     with Folder(folder, f"{start}.json") as target:
-        rows = csv_text(Place._fields, _locate_parts(laid))
+        rows = csv_text(Place._fields, _locate_parts(layout))
         for name, data in (
             (f"{start}.csv", rows.encode()),
-            (f"{start}.md", _format_sheet(design, drawn, laid, start).encode()),
-            *plate_files.plate_files(laid, design, STEM, request.pictures, request.prusaslicer),
+            (f"{start}.md", _format_sheet(design, strips, layout, start).encode()),
+            *plate_files.plate_files(layout, design, STEM, request.pictures, request.prusaslicer),
         ):
             target.write(name, data)
-        target.finish(_facts(design, drawn, laid))
+        target.finish(_facts(design, strips, layout))
     return [folder / name for name in (*target.hashes, target.manifest)]
 
 
-def _format_sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
+def _format_sheet(design: Design, strips: Sequence[DrawnStrip], layout: Layout, stem: str) -> str:
     """Return the sheet on printing and measuring, as Markdown. `stem`: start of the names of its files."""
-    batch = print_sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FORM_FILE)
-    loads = plate_files.piece_loads(laid, design.material.density_g_cm3)
-    printing = print_sheet.format_print_section(batch, loads, laid.findings, "")
-    return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
+    batch = print_sheet.Batch(stem, layout.printer, [design], layout.plates, layout.parts, form.FORM_FILE)
+    loads = plate_files.piece_loads(layout, design.material.density_g_cm3)
+    printing = print_sheet.format_print_section(batch, loads, layout.findings, "")
+    return f"{printing}\n\n{measuring.to_markdown(strips, design, layout.printer)}"
 
 
-def _locate_parts(laid: Laid) -> list[Place]:
+def _locate_parts(layout: Layout) -> list[Place]:
     rows = []
-    for number, plate in enumerate(laid.plates, start=1):
+    for number, plate in enumerate(layout.plates, start=1):
         for placement in plate.placements:
-            part = laid.parts[placement.part]
+            part = layout.parts[placement.part]
             item = packing.item_name(part, placement.copy)
             lengths = (placement.x, placement.y, part.width, part.depth)
-            rows.append(Place(laid.printer.name, number, item, *(round(length, 6) for length in lengths)))
+            rows.append(Place(layout.printer.name, number, item, *(round(length, 6) for length in lengths)))
     return rows
 
 
-def _facts(design: Design, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
+def _facts(design: Design, strips: Sequence[DrawnStrip], layout: Layout) -> dict[str, Any]:
     """Return facts for the manifest: resolved inputs, drawn parts, findings, versions."""
     return {
         "design": design.model_dump(mode="json"),
         "bodies": {design.name: print_sheet.body_facts(design)},
-        "printer": laid.printer.model_dump(mode="json"),
-        "strips": {part.name: part.strip._asdict() for part in drawn},
-        "print": print_sheet.manifest_facts(laid.printer, laid.findings),
+        "printer": layout.printer.model_dump(mode="json"),
+        "strips": {part.name: part.strip._asdict() for part in strips},
+        "print": print_sheet.manifest_facts(layout.printer, layout.findings),
         "versions": output.versions(),
     }

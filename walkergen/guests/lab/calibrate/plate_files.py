@@ -34,7 +34,7 @@ class Piece(NamedTuple):
     findings: Sequence[Finding]
 
 
-class Laid(NamedTuple):
+class Layout(NamedTuple):
     """Pieces arranged on a printer's bed."""
 
     printer: Printer
@@ -44,7 +44,7 @@ class Laid(NamedTuple):
     findings: Sequence[Finding]
 
 
-def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
+def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Layout:
     """Arrange pieces on at most `max_plates` plates, and check them. Raises PlateError when they do not fit."""
     parts = [Part.from_mesh(piece.name, piece.mesh, 1) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
@@ -57,76 +57,76 @@ def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -
             for finding in checks.check_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
-    return Laid(printer, pieces, parts, plates, findings)
+    return Layout(printer, pieces, parts, plates, findings)
 
 
-def piece_loads(laid: Laid, density: float) -> list[Load]:
+def piece_loads(layout: Layout, density: float) -> list[Load]:
     """Return mass (g) and side area of the plastic of each piece, as drawn, at a density (g/cm^3)."""
     return [
         Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, print_sheet.side_area(piece.mesh))
-        for piece in laid.pieces
+        for piece in layout.pieces
     ]
 
 
 def plate_files(
-    laid: Laid, design: Design, stem: str, pictures: bool, prusaslicer: bool
+    layout: Layout, design: Design, stem: str, pictures: bool, prusaslicer: bool
 ) -> Iterator[tuple[str, bytes]]:
     """Yield names and contents of files: settings, plates (3MF), pieces (STL) and, with `pictures`, maps."""
-    start = f"{stem}_{laid.printer.name}"
-    yield from slicer.settings_files(laid.printer, design.material, start)
-    meshes = [piece.mesh for piece in laid.pieces]
-    for number, plate in enumerate(laid.plates, start=1):
+    start = f"{stem}_{layout.printer.name}"
+    yield from slicer.settings_files(layout.printer, design.material, start)
+    meshes = [piece.mesh for piece in layout.pieces]
+    for number, plate in enumerate(layout.plates, start=1):
         name, picture = f"{start}_{number}", None
         if pictures:
             from walkergen.files import figures
 
             with figures.style({}):
-                map_figure = _draw_map(laid, plate, name)
+                map_figure = _draw_map(layout, plate, name)
             picture = figures.png(map_figure, THUMBNAIL_DPI)
             yield f"{name}.png", figures.png(map_figure, 130)
-        suffix, data = packing.plate_file(plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer)
+        suffix, data = packing.plate_file(plate, layout.parts, meshes, layout.printer, name, picture, prusaslicer)
         yield f"{name}{suffix}", data
-    for piece in laid.pieces:
+    for piece in layout.pieces:
         yield f"{start}_stl/{piece.name}.stl", export.stl_bytes(piece.mesh, piece.name)
 
 
-def _draw_map(laid: Laid, plate: Plate, title: str) -> "Figure":
+def _draw_map(layout: Layout, plate: Plate, title: str) -> "Figure":
     """Draw every piece of a plate at its place on the bed, from above, with its label."""
     from matplotlib.figure import Figure
 
-    wide, deep = laid.printer.bed_width_mm, laid.printer.bed_depth_mm
+    wide, deep = layout.printer.bed_width_mm, layout.printer.bed_depth_mm
     scale = 10.0 / max(wide, deep)
     width, height = scale * wide + 0.8, scale * deep + 0.9
     figure = Figure(figsize=(width, height))
     axes = figure.add_axes((0.65 / width, 0.5 / height, scale * wide / width, scale * deep / height))
-    _draw_pieces(axes, laid, plate)
+    _draw_pieces(axes, layout, plate)
     axes.set_xlabel("x (mm), front")
     axes.set_ylabel("y (mm)")
     axes.set_title(f"{title}: {len(plate.placements)} parts", fontsize=10)
-    _draw_labels(axes, laid, plate)
+    _draw_labels(axes, layout, plate)
     return figure
 
 
-def _draw_pieces(axes: "Axes", laid: Laid, plate: Plate) -> None:
+def _draw_pieces(axes: "Axes", layout: Layout, plate: Plate) -> None:
     from matplotlib.collections import PolyCollection
 
     from walkergen.core.shapes import modeller
     from walkergen.sheets import plate_map
 
     for placed in plate.placements:
-        mesh = laid.pieces[placed.part].mesh
+        mesh = layout.pieces[placed.part].mesh
         moved = mesh.shift(-mesh.vertices.min(axis=0))
         silhouette = plate_map.triangulate(modeller.to_solid(moved).project())
         colour = (DARK, LIGHT)[placed.part % 2]
         faces = list(silhouette + np.array((placed.x, placed.y)))
         axes.add_collection(PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3))
-    plate_map.draw_bed(axes, laid.printer)
+    plate_map.draw_bed(axes, layout.printer)
 
 
-def _draw_labels(axes: "Axes", laid: Laid, plate: Plate) -> None:
+def _draw_labels(axes: "Axes", layout: Layout, plate: Plate) -> None:
     """Write the label of each piece on its upper edge, on white."""
     for placed in plate.placements:
-        piece, part = laid.pieces[placed.part], laid.parts[placed.part]
+        piece, part = layout.pieces[placed.part], layout.parts[placed.part]
         axes.annotate(
             piece.label,
             (placed.x + 0.5 * part.width, placed.y + part.depth),

@@ -7,7 +7,7 @@ from typing import Any
 from walkergen.core.files import formatting
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate.estimate import Estimate
-from walkergen.guests.lab.calibrate.modulus import Bent, Point
+from walkergen.guests.lab.calibrate.modulus import Moduli, Point
 from walkergen.guests.lab.inverse import Answer
 from walkergen.guests.lab.report import LabReport, Setup
 
@@ -25,14 +25,14 @@ def collect_settings(estimates: Sequence[Estimate]) -> dict[str, float]:
 
 def make_report(
     estimates: Sequence[Estimate],
-    bent: Bent | None,
+    moduli: Moduli | None,
     drop: Answer | None,
     notes: Sequence[str],
     measured: Setup,
     title: str,
     folder: Path,
 ) -> LabReport:
-    """Report results of a form or a drop. `bent`: fit of strips. `drop`: restitution. `measured`: updated inputs."""
+    """Report results of a form or a drop. `moduli`: fit of strips. `drop`: restitution. `measured`: updated inputs."""
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),
@@ -41,19 +41,19 @@ def make_report(
     )
     rows = [each.row for each in estimates]
     tables, figures, lines = [Table("calibration", rows, ESTIMATE_COLUMNS, columns, "Measured")], {}, []
-    if bent is not None:
-        tables.append(_strip_table(bent))
-        figures["strips"] = lambda: _draw_strips(bent, f"Young's modulus: {title}")
-        if bent.fit.probability is not None:
-            chi2, dof, chance = bent.fit.chi2, bent.fit.dof, bent.fit.probability
+    if moduli is not None:
+        tables.append(_strip_table(moduli))
+        figures["strips"] = lambda: _draw_strips(moduli, f"Young's modulus: {title}")
+        if moduli.fit.probability is not None:
+            chi2, dof, chance = moduli.fit.chi2, moduli.fit.dof, moduli.fit.probability
             lines.append(f"strips: chi2 {chi2:.1f} for {dof} degrees of freedom, probability {chance:.2g}")
     if drop is not None:
         lines.append(f"drop: {drop.text}")
     settings = collect_settings(estimates)
     facts = {
         "measured": list(tables[0]),
-        "strips": [] if bent is None else [_point_facts(point) for point in bent.points],
-        "probability": None if bent is None else bent.fit.probability,
+        "strips": [] if moduli is None else [_point_facts(point) for point in moduli.points],
+        "probability": None if moduli is None else moduli.fit.probability,
         "drop": drop and {"told": drop.text, "branches": [branch._asdict() for branch in drop.branches]},
         "settings": settings,
         "notes": notes,
@@ -73,10 +73,10 @@ def make_report(
     )
 
 
-def _draw_strips(bent: Bent, title: str) -> Any:
+def _draw_strips(moduli: Moduli, title: str) -> Any:
     from walkergen.guests.lab.calibrate import figures
 
-    return figures.draw_strips(bent, title)
+    return figures.draw_strips(moduli, title)
 
 
 def _point_facts(point: Point) -> dict[str, Any]:
@@ -86,11 +86,11 @@ def _point_facts(point: Point) -> dict[str, Any]:
     return {**names, "modulus": modulus, "sd": sd, "readings": point.readings}
 
 
-def _strip_table(bent: Bent) -> Table:
+def _strip_table(moduli: Moduli) -> Table:
     """Return the modulus from each strip and method alone: the points of the figure."""
-    agreed, _ = bent.fit.number.pair
+    agreed, _ = moduli.fit.number.pair
     rows = [
-        (point.strip, point.method, point.thickness.value, *point.modulus.pair, point.readings) for point in bent.points
+        (each.strip, each.method, each.thickness.value, *each.modulus.pair, each.readings) for each in moduli.points
     ]
     columns = (
         Column("strip", lambda row: row[0]),

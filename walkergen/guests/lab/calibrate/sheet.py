@@ -7,7 +7,7 @@ from walkergen.core import Design, Printer
 from walkergen.core.printing.print_sheet import markdown_table
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.calibrate import form, parts
-from walkergen.guests.lab.calibrate.parts import Drawn
+from walkergen.guests.lab.calibrate.parts import DrawnStrip
 
 HOUSEHOLD_WEIGHTS = (
     ("1 cm of office paper, 80 g/m2, as wide as A4 (21 cm)", 0.168),
@@ -43,22 +43,22 @@ def nearest_weight(grams: float) -> str:
     return f"{name} ({weight:g})" if abs(weight - grams) <= MAX_WEIGHT_DIFFERENCE * grams else ""
 
 
-def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
+def to_markdown(strips: Sequence[DrawnStrip], design: Design, printer: Printer) -> str:
     """Return the part of the sheet on measuring, with tables of the strips. Its text is in the assets."""
     words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
     return words.format(
         form=form.FORM_FILE,
         bend=f"{beams.MAX_BEND:.0%}",
-        parts=_parts_table(drawn, design, printer),
-        weights=_weights_table(drawn),
-        rings=_rings_table(drawn),
+        parts=_parts_table(strips, design, printer),
+        weights=_weights_table(strips),
+        rings=_rings_table(strips),
     )
 
 
-def _parts_table(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
+def _parts_table(strips: Sequence[DrawnStrip], design: Design, printer: Printer) -> str:
     rows = [
         (part.name, f"{part.strip.thickness:g} x {part.strip.width:g}", f"{part.strip.length:g}", _number_label(part))
-        for part in drawn
+        for part in strips
     ]
     long, wide, high = parts.block_size(printer)
     walker = f"{design.name}, {design.tilt_deg:g} deg, {design.kind} legs"
@@ -66,21 +66,21 @@ def _parts_table(drawn: Sequence[Drawn], design: Design, printer: Printer) -> st
     return markdown_table(("part", "drawn, mm", "free length, mm", "which"), rows)
 
 
-def _number_label(part: Drawn) -> str:
+def _number_label(part: DrawnStrip) -> str:
     return f"number {part.name.rpartition('_')[2]} on its block"
 
 
-def _weights_table(drawn: Sequence[Drawn]) -> str:
+def _weights_table(strips: Sequence[DrawnStrip]) -> str:
     """Return the weights that bend a strip a little and much, and objects of that weight."""
     rows = []
-    for part in drawn:
+    for part in strips:
         light, heavy = ((f"{grams:.2g}", nearest_weight(grams)) for grams in (part.light_g, part.heavy_g))
         rows.append((part.name, *light, *heavy, f"{parts.HEAVY_BEND_RATIO * part.strip.length:.1f}"))
     return markdown_table(("strip", "light, g", "as", "heavy, g", "as", "sinks by about, mm"), rows)
 
 
-def _rings_table(drawn: Sequence[Drawn]) -> str:
+def _rings_table(strips: Sequence[DrawnStrip]) -> str:
     rows = [
-        (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
+        (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in strips
     ]
     return markdown_table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)

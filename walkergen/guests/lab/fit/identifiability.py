@@ -26,7 +26,7 @@ MIN_PROBABILITY = 1e-3
 """Probability of a misfit below which a model is reported not to describe the speeds."""
 
 
-class Learnt(NamedTuple):
+class Summary(NamedTuple):
     """State of a parameter after the fit."""
 
     name: str
@@ -41,7 +41,7 @@ class Learnt(NamedTuple):
     """Standard deviation over that of the prior."""
 
 
-def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
+def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Summary, ...]:
     """Return a summary of each parameter, from draws of the posterior, shape (k, parameters)."""
     rows = []
     grid = (np.arange(4096) + 0.5) / 4096
@@ -51,11 +51,11 @@ def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Lear
         mean, sd = float(column.mean()), float(column.std())
         narrowed = sd / float(parameter.quantiles(grid).std())
         row = (parameter.name, mean, sd, *map(float, ends), parameter.statement, narrowed)
-        rows.append(Learnt._make(row))
+        rows.append(Summary._make(row))
     return tuple(rows)
 
 
-def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
+def unlearnt_notes(rows: Sequence[Summary]) -> list[str]:
     """Return a note on the parameters that the speeds constrain no better than the prior, if there are any."""
     names = [row.name for row in rows if row.narrowed > MAX_LEARNT_RATIO]
     if not names:
@@ -107,7 +107,7 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
     ]
 
 
-def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
+def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Summary]) -> list[str]:
     """Return a note on each measured prior whose mean is more than `MAX_DEVIATIONS` of its deviations off the fit."""
     notes = []
     for parameter, row in zip(parameters, rows, strict=True):

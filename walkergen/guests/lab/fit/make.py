@@ -29,8 +29,8 @@ def fit(
         word = "Fitted to"
         choices["mode"] = request.mode
     else:
-        learned = model_fit.fit(request, setup, held, progress, expect)
-        made = report.make_model_report(learned, f"learnt with {assumptions}", path, folder)
+        fitted = model_fit.fit(request, setup, held, progress, expect)
+        made = report.make_model_report(fitted, f"learnt with {assumptions}", path, folder)
         word = "Learnt from"
         choices |= {"model": request.model, "prior": request.prior or DEFAULT_PRIOR}
     comment = f"{word} {path.name}: {assumptions}"

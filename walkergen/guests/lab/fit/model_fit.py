@@ -18,7 +18,7 @@ from walkergen.core.walker.limbs import Kind
 from walkergen.guests.lab.fit import emulated_speeds, identifiability, importance_sampling, posterior, surrogate_speeds
 from walkergen.guests.lab.fit.emulated_speeds import FitInputs, Setting
 from walkergen.guests.lab.fit.fields import FitFields
-from walkergen.guests.lab.fit.identifiability import Learnt
+from walkergen.guests.lab.fit.identifiability import Summary
 from walkergen.guests.lab.fit.parameters import (
     DEFAULT_PRIOR,
     PARAMETER_KEYS,
@@ -65,13 +65,13 @@ class Band(NamedTuple):
     """Standard deviation between prints, which the bands contain."""
 
 
-class Learned(NamedTuple):
+class ModelFit(NamedTuple):
     """Result of a fit by a model."""
 
     posterior: Posterior
     seen: Measured
     """Speeds that were measured."""
-    rows: tuple[Learnt, ...]
+    rows: tuple[Summary, ...]
     bands: list[Band]
     notes: list[str]
     scene: Scene
@@ -82,7 +82,7 @@ class Learned(NamedTuple):
 
 def fit(
     request: FitFields, setup: Setup, held: Mapping[str, float], progress: Progress, expect: Expect = ignore_estimate
-) -> Learned:
+) -> ModelFit:
     """Fit a model to a file of speeds, with the parameters in `held` fixed.
 
     Columns as in `theory.fit`. Simulated models also need speed_se_mm_s. `expect` receives the expected run time.
@@ -119,7 +119,7 @@ def fit(
         *notes,
         *_caveats(inputs),
     ]
-    return Learned(
+    return ModelFit(
         sampled, seen, rows, bands, notes, _fitted_scene(model, scene, rows, path), _fitted_design(design, rows, path)
     )
 
@@ -274,7 +274,7 @@ def _caveats(inputs: FitInputs) -> list[str]:
     return notes
 
 
-def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
+def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Summary], path: Path) -> Scene:
     """Return the scene with the fitted values, named after the file `path`. Held values keep the scene's deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
@@ -289,7 +289,7 @@ def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: 
     return validate(data, Scene, "fitted scene")
 
 
-def _fitted_design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
+def _fitted_design(design: Design, rows: Sequence[Summary], path: Path) -> Design:
     """Return the design with the fitted values of its legs and material, named after the file of speeds."""
     data: dict[str, Any] = {"legs": {}, "material": {}} | design.model_dump(exclude_unset=True)
     for row in rows:

@@ -13,7 +13,7 @@ from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.fit.least_squares import ContactFit
-from walkergen.guests.lab.fit.model_fit import Learned
+from walkergen.guests.lab.fit.model_fit import ModelFit
 from walkergen.guests.lab.fit.theory import Fitted
 from walkergen.guests.lab.report import LabReport, Setup
 
@@ -87,9 +87,9 @@ def make_theory_report(fitted: Fitted, setup: Setup, caption: str, path: Path, f
     return _make_report(path, caption, tables, facts, lines, fitted, setup.design, draw, folder)
 
 
-def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) -> FitReport:
+def make_model_report(fitted: ModelFit, caption: str, path: Path, folder: Path) -> FitReport:
     """Make the report of a model fitted to the file of speeds `path`."""
-    posterior = learned.posterior
+    posterior = fitted.posterior
     columns = (
         Column("parameter", lambda row: row.name.replace("_", " ")),
         report.error_column("mean ± sd", "mean", "sd"),
@@ -97,35 +97,35 @@ def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) 
         report.text_column("before", "prior"),
     )
     kept = np.linspace(0, len(posterior.draws) - 1, min(MAX_DRAWS, len(posterior.draws))).round().astype(int)
-    by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
-    settings = zip(map(float, learned.seen.tilt), map(float, learned.seen.plate_speed), strict=True)
+    by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in fitted.bands}
+    settings = zip(map(float, fitted.seen.tilt), map(float, fitted.seen.plate_speed), strict=True)
     bounds = [(by_setting[key].speed_mm_s, by_setting[key].low_95, by_setting[key].high_95) for key in settings]
     tables = [
-        Table("fit", learned.rows, ("parameter", *learned.rows[0]._fields[1:]), columns, "Parameters"),
-        report.table_from_rows("bands", learned.bands, BAND_COLUMNS, "Speeds of one more print"),
-        _speed_table(learned.seen, bounds, (*SPEED_COLUMNS, "low_95", "high_95")),
-        Table("posterior", posterior.draws[kept].tolist(), [row.name for row in learned.rows]),
+        Table("fit", fitted.rows, ("parameter", *fitted.rows[0]._fields[1:]), columns, "Parameters"),
+        report.table_from_rows("bands", fitted.bands, BAND_COLUMNS, "Speeds of one more print"),
+        _speed_table(fitted.seen, bounds, (*SPEED_COLUMNS, "low_95", "high_95")),
+        Table("posterior", posterior.draws[kept].tolist(), [row.name for row in fitted.rows]),
     ]
     facts = {
-        "parameters": {row.name: row._asdict() for row in learned.rows},
+        "parameters": {row.name: row._asdict() for row in fitted.rows},
         "correlation": np.atleast_2d(np.corrcoef(posterior.draws.T)).tolist(),
-        "bands": [band._asdict() | {"measured": bool(band.measured)} for band in learned.bands],
+        "bands": [band._asdict() | {"measured": bool(band.measured)} for band in fitted.bands],
         "chi2": posterior.chi2,
         "steps": posterior.steps,
         "autocorrelation_steps": None,
         "independent_draws": posterior.independent,
     }
     sampled = (
-        f"chi² {posterior.chi2:.3g} for {len(learned.seen.speed)} speeds at best; "
+        f"chi² {posterior.chi2:.3g} for {len(fitted.seen.speed)} speeds at best; "
         f"{posterior.steps} draws are worth {posterior.independent:.0f} independent ones"
     )
 
     def draw() -> "Figure":
         from walkergen.guests.lab.fit import figures
 
-        return figures.draw_bands(learned.bands, learned.seen, path.name)
+        return figures.draw_bands(fitted.bands, fitted.seen, path.name)
 
-    return _make_report(path, caption, tables, facts, [sampled], learned, learned.design, draw, folder)
+    return _make_report(path, caption, tables, facts, [sampled], fitted, fitted.design, draw, folder)
 
 
 def _make_report(
@@ -134,7 +134,7 @@ def _make_report(
     tables: Sequence[Table],
     facts: Mapping[str, Any],
     lines: Sequence[str],
-    result: Fitted | Learned,
+    result: Fitted | ModelFit,
     design: Any,
     draw: "Callable[[], Figure]",
     folder: Path,

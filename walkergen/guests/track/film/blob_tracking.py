@@ -18,7 +18,7 @@ from walkergen.guests.track.film.fields import TrackFields
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import MIN_ELONGATION
 from walkergen.guests.track.film.lens import Lens
-from walkergen.guests.track.film.linking import Linked, Seen
+from walkergen.guests.track.film.linking import Linked, Track
 from walkergen.guests.track.film.result import Outline, Tracked, Walker
 
 SAMPLE_FRAMES = 8
@@ -40,7 +40,7 @@ class Unmarked(NamedTuple):
 
     look: Appearance
     linked: Linked
-    straight: Sequence[Seen]
+    straight: Sequence[Track]
     """The same walkers by a lens that does not bend."""
     shake: Shake
     still: int
@@ -107,12 +107,12 @@ def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
     return sum(is_still(before, now) for before, now in pairwise(frames))
 
 
-def _undistort(seen: Seen, lens: Lens | None, part: Box) -> Seen:
+def _undistort(seen: Track, lens: Lens | None, part: Box) -> Track:
     """Correct a walker for the lens, if any. `part`: searched part, where its pixels count from."""
     return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
-def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
+def _walker_length(linked: Linked, straight: Sequence[Track]) -> float:
     """Return the length of a walker (pixels). `straight`: `linked.walkers` corrected for the lens."""
     raw, true = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
     return linked.length * float(np.median(true / raw))
@@ -132,7 +132,7 @@ def find_scale(request: TrackFields, length: float) -> Quantity:
 
 
 def _make_walker(
-    number: int, seen: Seen, straight: Seen, by: heading.By, film: Film, part: Box, scale: float
+    number: int, seen: Track, straight: Track, by: heading.By, film: Film, part: Box, scale: float
 ) -> Walker:
     """Build a walker with positions in mm from the lower left corner of the whole frame.
 
@@ -147,7 +147,7 @@ def _make_walker(
     return Walker(number, seen.frames, raw, position, headings.theta, headings.how, size, (outlines[0], outlines[1]))
 
 
-def _make_outline(seen: Seen, at: int, middle: Array, theta: float) -> Outline:
+def _make_outline(seen: Track, at: int, middle: Array, theta: float) -> Outline:
     """Build the box or ellipse around a walker, and the arrow at its front, in the frame with index `at` of `seen`."""
     blobs = seen.blobs
     shape = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])

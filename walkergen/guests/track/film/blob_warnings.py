@@ -10,7 +10,7 @@ from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.blobs import Blobs
-from walkergen.guests.track.film.linking import Seen
+from walkergen.guests.track.film.linking import Track
 from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Remarks
 from walkergen.guests.track.film.result import Tracked
 
@@ -144,7 +144,7 @@ def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quan
         )
 
 
-def shadow_pull(walkers: Sequence[Seen]) -> float:
+def shadow_pull(walkers: Sequence[Track]) -> float:
     """Compute the shift of walkers' centres by shadows, pixels; 0 if none is resolved.
 
     A shadow lies on one side in the picture; shades that turn with a walker are its own. If walkers never turn, the two
@@ -165,7 +165,7 @@ def shadow_pull(walkers: Sequence[Seen]) -> float:
     return pull if pull > MIN_SIGNIFICANCE * error else 0.0
 
 
-def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
+def size_change(walkers: Sequence[Track]) -> tuple[Quantity, float]:
     """Return the relative change of a walker's size over the places that walkers reach: perspective, or a lens.
 
     Returns also the deviation of the rest, between frames and as walkers turn. A plane and a bowl are fitted to the
@@ -198,6 +198,6 @@ def _subtract_means(values: Array, owner: Whole) -> Array:
     return np.asarray(values - means[owner])
 
 
-def _join_blobs(walkers: Sequence[Seen]) -> Blobs:
+def _join_blobs(walkers: Sequence[Track]) -> Blobs:
     """Join the blobs of all walkers, one walker after the other."""
     return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from walkergen.core.numerics import Array, Whole
-from walkergen.guests.track.film.linking import Seen
+from walkergen.guests.track.film.linking import Track
 
 By = Literal["motion", "mark"]
 HEADING_SOURCES: tuple[By, ...] = get_args(By)
@@ -30,7 +30,7 @@ MIN_RUN_LENGTHS = 0.1
 """Shortest path along the axis, over a walker's length, that decides which end is the front."""
 
 
-class Headed(NamedTuple):
+class Headings(NamedTuple):
     """Headings of a walker."""
 
     theta: Array
@@ -40,7 +40,7 @@ class Headed(NamedTuple):
     """Source of the headings, or the reason why there is none."""
 
 
-def find_headings(walker: Seen, by: By) -> Headed:
+def find_headings(walker: Track, by: By) -> Headings:
     """Find the headings of one walker, from its mark or its motion."""
     axis, mark = walker.blobs.axis, walker.blobs.mark
     elongation = float(np.median(walker.blobs.length / walker.blobs.width))
@@ -49,7 +49,7 @@ def find_headings(walker: Seen, by: By) -> Headed:
         return _no_heading(walker, "no mark was seen")
     if elongation < MIN_ELONGATION and by == "mark":
         how = f"the mark, seen in {seen.sum()} of {len(seen)} frames"
-        return Headed(unwrap(np.where(seen, mark, np.nan)), how)
+        return Headings(unwrap(np.where(seen, mark, np.nan)), how)
     if elongation < MIN_ELONGATION:
         return _no_heading(walker, f"{elongation:.2f} times as long as wide: mark the front, ‹heading=›mark")
     theta = np.full(len(axis), np.nan)
@@ -63,12 +63,12 @@ def find_headings(walker: Seen, by: By) -> Headed:
         why = f"it ran less than {MIN_RUN_LENGTHS:g} of its length" if by == "motion" else "marks disagree"
         return _no_heading(walker, f"{why}, so that front and back are alike")
     front = "the mark" if by == "mark" else "the way it runs"
-    return Headed(unwrap(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
+    return Headings(unwrap(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
 
 
-def _no_heading(walker: Seen, why: str) -> Headed:
+def _no_heading(walker: Track, why: str) -> Headings:
     """Return unknown headings, with the reason."""
-    return Headed(np.full(len(walker.frames), np.nan), why)
+    return Headings(np.full(len(walker.frames), np.nan), why)
 
 
 def _continuous_parts(frames: Whole, axis: Array) -> list[slice]:
@@ -84,7 +84,7 @@ def _mark_votes(axis: Array, mark: Array) -> float:
     return float(np.nansum(np.sign(np.cos(mark - axis))))
 
 
-def _distance_ahead(axis: Array, walker: Seen, part: slice) -> float:
+def _distance_ahead(axis: Array, walker: Track, part: slice) -> float:
     """Return the signed distance (pixels) along the axis in a part of a track, or 0 if it is too short to decide."""
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])

@@ -22,7 +22,7 @@ MIN_TRACK_FRAMES, MIN_TRACK_SHARE = 5, 0.05
 """Least number of frames of a track, and least part of the film's frames."""
 
 
-class Seen(NamedTuple):
+class Track(NamedTuple):
     """One walker in the frames that show it."""
 
     frames: Whole
@@ -34,7 +34,7 @@ class Seen(NamedTuple):
 class Linked(NamedTuple):
     """All walkers of a film, and the frames left out."""
 
-    walkers: Sequence[Seen]
+    walkers: Sequence[Track]
     """Walkers in order of appearance, from above where they appear together."""
     area: float
     """Area of a walker, pixels."""
@@ -66,7 +66,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     columns = np.array([blob for frame in fitting for blob in frame]).T
     owner = np.array([name for frame in names for name in frame])
     least = max(MIN_TRACK_FRAMES, MIN_TRACK_SHARE * len(frames))
-    groups = [Seen(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)]
+    groups = [Track(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)]
     good = sorted(
         (walker for walker in groups if len(walker.frames) >= least),
         key=lambda walker: (walker.frames[0], walker.blobs.y[0]),

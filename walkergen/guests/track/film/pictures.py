@@ -37,11 +37,11 @@ def list_pictures(folder: Path) -> tuple[Path, ...]:
     return tuple(sorted(pictures, key=_number_key))
 
 
-def _check_same(folder: Path, what: str, counts: Counter[str]) -> None:
-    """Raise InputError if pictures differ. `what`: the property that differs. `counts`: pictures by its value."""
+def _check_same(folder: Path, quality: str, counts: Counter[str]) -> None:
+    """Raise InputError if pictures differ in a quality, such as sizes. `counts`: number of pictures by its value."""
     if len(counts) > 1:
         seen = ", ".join(f"{number} of {name}" for name, number in counts.most_common(3))
-        raise InputError(f"{folder}: {what} differ: {seen}; leave only the frames of one film there")
+        raise InputError(f"{folder}: {quality} differ: {seen}; leave only the frames of one film there")
 
 
 def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
