@@ -321,13 +321,13 @@ def _max_frequency(rate: float) -> float:
     return USED_BANDWIDTH * NYQUIST * rate
 
 
-def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, acceleration: float) -> Quantity:
-    """Return the r.m.s. velocity of `rest` (mm/s^2) in the scene's noise band, over the drive's peak speed."""
+def _noise_ratio(noise: Array, recording: Recording, scene: Scene, omega: float, acceleration: float) -> Quantity:
+    """Return the r.m.s. velocity of `noise` (mm/s^2) in the scene's band over the drive's, `acceleration` / `omega`."""
     low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
     if not low < high:
         return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, above all measurable frequencies")
     squares = []
-    for piece, times in zip(np.array_split(rest, PIECES), np.array_split(recording.times, PIECES), strict=True):
+    for piece, times in zip(np.array_split(noise, PIECES), np.array_split(recording.times, PIECES), strict=True):
         window = np.hanning(len(piece))
         at = np.fft.rfftfreq(len(piece), float(np.diff(times).mean()))
         power = np.abs(np.fft.rfft(piece * window)) ** 2 * 2.0 / (len(piece) * (window**2).sum())

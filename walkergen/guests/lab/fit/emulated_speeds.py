@@ -216,8 +216,8 @@ def simulate_batches(
     speeds = []
     for number, setting in enumerate(settings):
 
-        def report_total(what: str, done: int, total: int, number: int = number) -> None:
-            progress(what, number * len(x) + done, len(settings) * len(x))
+        def report_total(message: str, done: int, total: int, number: int = number) -> None:
+            progress(message, number * len(x) + done, len(settings) * len(x))
 
         speeds.append(simulate(inputs, setting, x, report_total, batch))
     return speeds

@@ -160,7 +160,10 @@ def _extent(weight: Floats, off: Floats, half: float) -> float:
 
 
 def _mark_direction(mask: Mask, field: Floats, blob: Blob, left: int, top: int, look: Appearance) -> float:
-    """Return the direction (rad) from a walker's centre to its most different spot, its mark, or NaN without one."""
+    """Return the direction (rad) from a walker's centre to its mark, its most different spot, or NaN without one.
+
+    `mask`, `field`: its pixels, and contrasts, in a box that begins at column `left` and row `top` of the frame.
+    """
     interior = ndimage.distance_transform_edt(mask) > max(1.5, MARK_DEPTH * look.width)
     if not interior.any():
         return math.nan

@@ -10,7 +10,7 @@ from walkergen.request import Flag
 
 
 def _parse_frames(value: Any) -> Any:
-    """Parse FIRST:LAST to the numbers of the first frame and of the one after the last, None for the end."""
+    """Parse a text FIRST:LAST to the number of the first frame and of the one after the last (None: the end)."""
     if not isinstance(value, str):
         return value
     first, colon, last = value.partition(":")
@@ -21,7 +21,7 @@ def _parse_frames(value: Any) -> Any:
 
 
 def _parse_region(value: Any) -> Any:
-    """Parse LEFT,TOP,WIDTH,HEIGHT to four whole numbers of pixels."""
+    """Parse a text LEFT,TOP,WIDTH,HEIGHT to four whole numbers of pixels. Other values pass unchanged."""
     if not isinstance(value, str):
         return value
     cells = [cell.strip() for cell in value.split(",")]

@@ -128,8 +128,7 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
 def lens_bend(found: Marked) -> tuple[Quantity, float]:
     """Return the relative change of markers' sides farthest from the picture's middle, and that distance (pixels).
 
-    The fitted change grows with the square of the distance, as by a lens that bends. The plane already corrects
-    perspective, which would change sides linearly.
+    The change grows with the distance squared. The plane already corrects perspective, which is a linear change.
     """
     corners = np.concatenate(found.straight)
     sides = found.plane.to_mm(corners)

@@ -80,7 +80,7 @@ def refine_corners(frame: Grey, corners: Array) -> Array:
 
 
 def _refine_once(frame: Grey, squares: Array) -> Array:
-    """Return the corners where the sides of markers meet; unchanged where a side has no edge.
+    """Return the corners where the edges of markers near `squares`, shape (n, 4, 2), meet, unchanged without an edge.
 
     Axes of arrays: marker, side, place along it, sample across it.
     """

@@ -33,9 +33,8 @@ class Remarks(NamedTuple):
 def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
     """Compute the error of a place that changes from frame to frame, along an axis.
 
-    `tracks`: times, shape (n,), and places, shape (n, 2), of neighbouring frames, NaN where unknown. The error follows
-    from the distance of a place to the line between the places before and after. Uneven motion adds to it. It excludes
-    constant and slowly changing errors. NaN for too few frames.
+    `tracks`: times, shape (n,), and places, shape (n, 2), of all frames, NaN where unknown. The error follows from each
+    place's distance to the line between its neighbours: uneven motion adds to it, slow errors do not. NaN if too short.
     """
     squares = [np.zeros((0, 2))]
     for times, places in tracks:
@@ -52,8 +51,7 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
 def path_length(places: Array, noise: float) -> float:
     """Measure the length of a path through positions, shape (n, 2), with a `noise` along each axis.
 
-    Each leg is at least ten times the noise. A sum over all frames would grow with their number even for a walker that
-    stands.
+    Each leg is at least ten times the noise, since noise alone would lengthen a sum over all frames.
     """
     least, total, last = LEG_JITTERS * noise, 0.0, places[0]
     for place in places[1:]:
