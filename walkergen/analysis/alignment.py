@@ -27,7 +27,11 @@ ALIKE_REASON = "headings hardly differ against the slope: let walkers start at o
 
 
 def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: float | None) -> dict[str, Quantity]:
-    """Return the numbers of ALIGNED by groups of tracks; the plate descends toward `descent`, rad (None: level)."""
+    """Estimate `self_alignment` (1/mm) and `slope_turning` (rad/s); a number that is not resolved has a reason.
+
+    `groups`: the tracks of each independent sample. `interval`: time between positions of a track, s. `descent`:
+    direction in which the plate descends, rad; None if it is level.
+    """
     if descent is None:
         return {name: refusal(name, NO_SLOPE_REASON) for name in ALIGNMENT_NAMES}
     sums = np.array([sum((_sample_sums(track, descent) for track in group), np.zeros(8)) for group in groups])
@@ -54,29 +58,42 @@ def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: 
 
 
 def remove_slope_turning(track: Track, rate: float, interval: float, descent: float) -> Track:
-    """Remove from a track's headings the turning by the slope, at `rate` (rad/s) with the heading across the slope."""
+    """Return the track with the headings that it would have on a level plate.
+
+    `rate`: turning rate of a heading across the slope, rad/s. `interval`: time between samples, s. `descent`: direction
+    of descent, rad.
+    """
     assert track.heading is not None
     turned = np.nancumsum(rate * interval * np.sin(descent - track.heading))
     return track._replace(heading=track.heading - np.append(0.0, turned[:-1]))
 
 
 def _sample_sums(track: Track, descent: float) -> Array:
-    """Sum over samples: count; sine before and in the middle; turn, drift to the left; products of the first sine."""
+    """Return sums over the samples of a track, shape (8,); `descent` is the direction of descent, rad.
+
+    They are: number; sine of descent less heading, a sample before and in the middle; turn (rad); drift to the left
+    (mm); products of the first sine with the second, the turn and the drift.
+    """
     if track.heading is None or track.position.shape[1] < 2:
         return np.zeros(8)
-    heading, moved = track.heading, np.diff(track.position, axis=0)[1:]
+    heading, displacement = track.heading, np.diff(track.position, axis=0)[1:]
     turn = np.angle(np.exp(1j * np.diff(heading)[1:]))
-    middle = heading[1:-1] + 0.5 * turn
-    drift = moved[:, 1] * np.cos(middle) - moved[:, 0] * np.sin(middle)
-    before, now = np.sin(descent - heading[:-2]), np.sin(descent - middle)
-    rows = np.stack([np.ones_like(now), before, now, turn, drift, before * now, before * turn, before * drift])
-    seen = np.isfinite(rows).all(axis=0)
-    if (free := track.free_samples(2)) is not None:
-        seen &= free[: len(seen)]
-    return np.asarray(rows[:, seen].sum(axis=1))
+    middle_heading = heading[1:-1] + 0.5 * turn
+    drift = displacement[:, 1] * np.cos(middle_heading) - displacement[:, 0] * np.sin(middle_heading)
+    first_sine, sine = np.sin(descent - heading[:-2]), np.sin(descent - middle_heading)
+    rows = np.stack(
+        [np.ones_like(sine), first_sine, sine, turn, drift, *(first_sine * each for each in (sine, turn, drift))]
+    )
+    known = np.isfinite(rows).all(axis=0)
+    if (away_from_walls := track.free_samples(2)) is not None:
+        known &= away_from_walls[: len(known)]
+    return np.asarray(rows[:, known].sum(axis=1))
 
 
 def _covariances(sums: Array) -> tuple[float, float, float]:
-    """Return the covariances of the sine with turn, drift (mm) and the sine in the middle of a sample."""
-    _, before, now, turn, drift, squares, turns, drifts = sums / max(sums[0], 1.0)
-    return turns - before * turn, drifts - before * drift, squares - before * now
+    """Return the covariances of the first sine with the turn, the drift (mm) and the second sine.
+
+    `sums`: see `_sample_sums`: number, two sines, turn, drift, and three products, shape (8,).
+    """
+    _, sine, middle_sine, turn, drift, sine_products, turn_products, drift_products = sums / max(sums[0], 1.0)
+    return turn_products - sine * turn, drift_products - sine * drift, sine_products - sine * middle_sine

@@ -1,7 +1,10 @@
 """Fit of the mean squared displacement: a run that turns, diffusion, noise of the positions.
 
-The data decide whether these terms can be separated: a run appears as curvature. The fit's misfit
-is compared with the misfit that the scatter of independent samples produces.
+The data decide whether these terms can be separated: a run appears as curvature. The fit's misfit is compared with the
+misfit that the scatter of independent samples produces.
+
+Arguments: `lag`, s, and `errors`, mm^2, have the shape (lags,). `values` are mean squared displacements (mm^2) at these
+lags; rows are those of all samples, then of all without each one. `turn` is a mean rate of turning, rad/s.
 """
 
 import math
@@ -99,9 +102,10 @@ class DisplacementFit(NamedTuple):
 
 
 def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> DisplacementFit:
-    """Fit squared displacements (mm^2) at lags (s): first of all samples, then without each one.
+    """Fit the mean squared displacement of all samples, then that without each one.
 
-    `turns` (rad/s) are the rates of turning of each. Parameters are NaN where lags are too few.
+    `squares`: mean squared displacement (mm^2) of each by `lag` (s), all samples first. `turns`: mean rate of turning
+    of each, rad/s. Parameters are NaN where lags are too few.
     """
     values = np.stack(squares)
     use = np.isfinite(values).all(axis=0)
@@ -112,9 +116,9 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Displac
     weights = np.full(len(lag), np.nan)
     lag, values = lag[use], values[:, use]
     errors = np.stack([smooth_errors(lag, error) for error in _replicate_errors(values)])
-    curvature = _max_curvature(lag, values, errors, turns)
+    significance = _max_run_significance(lag, values, errors, turns)
     run, suspected = (
-        bool(curvature > student_quantile(len(values) - 2, 1.0 - chance)) for chance in (RUN_P_VALUE, SUSPECTED_P_VALUE)
+        bool(significance > student_quantile(len(values) - 2, 1.0 - p)) for p in (RUN_P_VALUE, SUSPECTED_P_VALUE)
     )
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
     if run and _is_negative([spread.diffusion for spread in fits]):
@@ -128,26 +132,29 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Displac
     )
 
 
-def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: DisplacementFit) -> list[Spread]:
-    """Fit the law of another fit, with its weights, to squares of samples too few to tell either."""
-    use, whole = np.isfinite(like.errors), like.spreads[0]
+def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier: DisplacementFit) -> list[Spread]:
+    """Fit mean squared displacements by the law and the weights of an earlier fit.
+
+    `squares` (mm^2, by `lag`) and `turns` (rad/s) are of samples too few to find a law or weights themselves.
+    """
+    use, law = np.isfinite(earlier.errors), earlier.spreads[0]
     if not use.any():
         return [NO_SPREAD] * len(squares)
-    lag, errors, spreads = lag[use], like.errors[use], []
+    lag, errors, spreads = lag[use], earlier.errors[use], []
     for values, turn in zip(squares, turns, strict=True):
         if not np.isfinite(values[use]).all():
             spreads.append(NO_SPREAD)
-        elif whole.smooth_rate:
-            spreads.append(_fit_smooth(lag, values[use], errors, turn, (whole.rate, whole.smooth_rate)))
+        elif law.smooth_rate:
+            spreads.append(_fit_smooth(lag, values[use], errors, turn, (law.rate, law.smooth_rate)))
         else:
-            spreads.append(_fit_run(lag, values[use], errors, turn, like.run))
+            spreads.append(_fit_run(lag, values[use], errors, turn, earlier.run))
     return spreads
 
 
 def _replicate_errors(values: Array) -> Array:
-    """Return the error of each row of `values`, those of all samples and of those without each one.
+    """Return the standard error of each row of `values`: of all samples, then without each one.
 
-    Where one error served all rows, what the weights owe to chance would not be in the jackknife.
+    If all rows had the same error, the jackknife would miss the chance in the weights.
     """
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
@@ -156,14 +163,17 @@ def _replicate_errors(values: Array) -> Array:
 
 
 def smooth_errors(lag: Array, errors: Array) -> Array:
-    """Smooth the errors over the lags: as weights, they should not contain their own scatter."""
+    """Smooth errors over the lags by a parabola in logarithms: weights should not contain their own scatter."""
     at = np.log(lag)
     smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
     return smooth
 
 
-def _max_curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
-    """Return the largest ratio of a run to its error, with diffusion and noise, at any rate that the lags resolve."""
+def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
+    """Return the largest ratio of the term of a run to its error, over rates of losing direction.
+
+    Each fit has a run, diffusion and noise. `turns` (rad/s): one for each row of `values` and `errors`.
+    """
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
         [
@@ -175,23 +185,25 @@ def _max_curvature(lag: Array, values: Array, errors: Array, turns: Sequence[flo
     return float(np.divide(runs[0], error, out=np.where(runs[0] > 0.0, np.inf, 0.0), where=error > 0.0).max())
 
 
-def _is_negative(numbers: Sequence[float]) -> bool:
-    """Return whether a number, of all samples and without each one, is below 0 beyond chance."""
-    error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
-    return numbers[0] < -student_quantile(len(numbers) - 2, 1.0 - INERTIA_P_VALUE) * error
+def _is_negative(replicates: Sequence[float]) -> bool:
+    """Return whether a number is below 0 beyond chance: its value for all samples, then without each one."""
+    error = float(statistics.jackknife_error(np.array(replicates[1:])[:, None])[0])
+    return replicates[0] < -student_quantile(len(replicates) - 2, 1.0 - INERTIA_P_VALUE) * error
 
 
-def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
-    """Fit by least squares, exactly for all but the rate, which is sought over a grid and between its nodes.
+def _fit_run(lag: Array, values: Array, errors: Array, turn: float, with_run: bool) -> Spread:
+    """Fit a run, diffusion and noise by least squares; only diffusion and noise if not `with_run`.
 
-    Variable projection (Golub and Pereyra 1973). Without a `run` there is diffusion only.
+    All parameters but the run's rate are linear. The rate is sought over a grid and between its nodes (variable
+    projection, Golub and Pereyra 1973).
     """
     from scipy.optimize import minimize_scalar
 
-    if not run:
+    if not with_run:
         return _solve_linear(lag, values, errors, (), turn)[0]
 
     def misfit(log_rate: float) -> float:
+        """Return the sum of squared residuals at a rate (1/s), given as its logarithm."""
         return _solve_linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
 
     logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATE_COUNT)
@@ -202,7 +214,10 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -
 
 
 def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None) -> Spread:
-    """Fit a run that sets in smoothly by least squares, from the two rates of `start` or from a grid."""
+    """Fit a run that begins smoothly, by inertia, and noise by least squares.
+
+    `start`: rates (1/s) of losing direction and of the beginning; None: the best of a grid.
+    """
     from scipy.optimize import minimize
 
     low, high, most = (
@@ -211,12 +226,14 @@ def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tu
         math.log(MAX_RATE_RATIO),
     )
 
-    def rates(logs: Sequence[float]) -> tuple[float, float]:
+    def to_rates(logs: Sequence[float]) -> tuple[float, float]:
+        """Return both rates (1/s), limited, from logarithms of the lower one and of their ratio less 1."""
         slow = math.exp(min(max(logs[0], low), high))
         return slow, slow * (1.0 + math.exp(min(logs[1], most)))
 
-    def misfit(logs: Sequence[float]) -> float:
-        return _solve_linear(lag, values, errors, rates(logs), turn)[1]
+    def misfit(logarithms: Sequence[float]) -> float:
+        """Return the sum of squared residuals at the two rates."""
+        return _solve_linear(lag, values, errors, to_rates(logarithms), turn)[1]
 
     if start is None:
         slow = np.linspace(math.log(0.1 / lag[-1]), math.log(0.3 / lag[0]), 14)
@@ -225,13 +242,13 @@ def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tu
         logs = math.log(start[0]), math.log(start[1] / start[0] - 1.0)
     options = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 300}
     finest = minimize(misfit, logs, method="Nelder-Mead", options=options)
-    return _solve_linear(lag, values, errors, rates(finest.x), turn)[0]
+    return _solve_linear(lag, values, errors, to_rates(finest.x), turn)[0]
 
 
 def _solve_linear(
     lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
 ) -> tuple[Spread, float]:
-    """Fit the best parameters of runs at these rates, and return the sum of squared residuals too.
+    """Fit the linear parameters of runs with these rates (1/s); return all, and the sum of squared residuals.
 
     With two runs there is no diffusion term. It is the limit of the second run at a high rate.
     """
@@ -251,10 +268,11 @@ def _solve_linear(
 
 
 def _misfit_probability(residuals: Array, replicates: Array) -> tuple[float, float]:
-    """Return the misfit and its probability from residuals of all samples and of those without each one.
+    """Return the misfit, over its expectation, and the probability of at least as large a misfit.
 
-    Residuals of neighbouring lags go together: their sum of squares is held against its expectation
-    by the jackknife's covariance, with degrees of freedom after Satterthwaite (1946).
+    `residuals`, shape (lags,), are in units of their errors; `replicates`, shape (samples, lags), without each sample.
+    Residuals of neighbouring lags correlate: the expected sum of squares is from the jackknife's covariance, with
+    degrees of freedom after Satterthwaite (1946).
     """
     deviations = replicates - replicates.mean(axis=0)
     others = len(replicates) - 1

@@ -1,4 +1,7 @@
-"""Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
+"""Numbers with errors from sums over tracks: how each is computed, and when it is refused.
+
+`sums` are the `Moments` of some tracks, `frame` the settings that turn these into `numbers`: values by name.
+"""
 
 import math
 from collections.abc import Callable
@@ -141,27 +144,27 @@ class Frame(NamedTuple):
 
 
 def quantity(name: str, value: float, se: float, freedom: float = math.inf) -> Quantity:
-    """Create a quantity of UNITS, or of FIT_NUMBERS, with its error."""
+    """Return a named quantity with the unit that UNITS gives, its standard error and its degrees of freedom."""
     return Quantity(name, UNITS.get(name, ""), value, se, freedom)
 
 
 def refusal(name: str, reason: str) -> Quantity:
-    """Create a quantity of UNITS, or of FIT_NUMBERS, without a value, and with the reason."""
+    """Return a named quantity without a value, and with the reason why."""
     return Quantity(name, UNITS.get(name, ""), None, refused=reason)
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
-    """Return the mean values: sums over numbers of pairs; NaN if there are no pairs."""
+    """Return sums over numbers of pairs; NaN if there are no pairs. Both have the same shape."""
     return np.where(pairs > 0, sums / np.maximum(pairs, 1.0), np.nan)
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute every number of UNITS and of FIT_NUMBERS but those of the squared displacement on a plane.
+    """Compute all numbers of UNITS and FIT_NUMBERS, except those of the squared displacement on a plane.
 
-    NaN for a number without a meaning or a fit.
+    A number without a meaning or a fit is NaN.
     """
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
-    numbers["lane_speed"] = _ratio(sums.run) / frame.interval
+    numbers["lane_speed"] = _ratio_or_nan(sums.run) / frame.interval
     _add_moments(numbers, "parallel", sums.along)
     _add_moments(numbers, "orthogonal", sums.across)
     if frame.lane:
@@ -172,11 +175,12 @@ def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
     return numbers
 
 
-def _ratio(pair: Array) -> float:
-    return float(pair[0] / pair[1]) if pair[1] > 0 else math.nan
+def _ratio_or_nan(sum_and_count: Array) -> float:
+    return float(sum_and_count[0] / sum_and_count[1]) if sum_and_count[1] > 0 else math.nan
 
 
 def _add_moments(numbers: dict[str, float], name: str, powers: Array) -> None:
+    """Add the mean and standard deviation of displacements; `powers`: their number, sum and sum of squares."""
     count, first, second = powers
     if count > 1:
         numbers[f"{name}_mean"] = first / count
@@ -184,7 +188,7 @@ def _add_moments(numbers: dict[str, float], name: str, powers: Array) -> None:
 
 
 def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the rate at which the direction is lost, the mean turning, and the speed."""
+    """Fit the rate of losing direction, the mean turning and the speed, and add them to `numbers`."""
     window = 0.0 if frame.headed else frame.grid.step * frame.interval
     lag = frame.grid.turn_lags * frame.interval
     values = np.asarray(mean(sums.turn, sums.turn_pairs), dtype=complex)
@@ -203,19 +207,20 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
     numbers["persistence_rate"] = rate
     numbers["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
-        numbers["turning_bias"] = _ratio(sums.turned) / frame.interval
-        variance = -_zero_lag_log(lag, values)
+        numbers["turning_bias"] = _ratio_or_nan(sums.turned) / frame.interval
+        variance = -_log_correlation_at_zero(lag, values)
         lasting = memory[0] if memory else 0.0
         if lasting:
             variance = -math.log(max(amplitude, 1e-300))
             numbers["turning_memory"] = lasting
 
         def correlation(samples: Array) -> Array:
+            """Return the correlation of headings after a time, given in samples."""
             after = samples * frame.interval
             return np.asarray(np.exp(-rate * (persistent_walk.delayed_lag(after, lasting) if lasting else after)))
 
         shortened = math.exp(-0.5 * variance) * _extrapolated_share(correlation)
-        velocity = complex(_velocity(sums) / (shortened * frame.interval))
+        velocity = complex(_body_velocity(sums) / (shortened * frame.interval))
         numbers["shortened"] = shortened
         numbers["body_speed"] = numbers["speed"] = velocity.real
         numbers["sideways_speed"] = velocity.imag
@@ -232,47 +237,55 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
 
 
 def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
-    """Fit amplitude, rate (1/s), turn (rad/s) and, with a memory, its time (s); None without a fit."""
+    """Fit the correlation of directions: amplitude, rate (1/s), turn (rad/s); with `frame.memory` its time (s).
 
-    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
+    `values` and `errors` by `lag` (s). Displacements span `window` (s); 0 for headings. None without a fit.
+    """
+
+    def model(lags: Array, amplitude: float, rate: float, turn: float) -> Complex:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
-        return persistent_walk.velocity_correlation(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
+        """Return the correlation at these lags (s) of a walk whose directions turn without memory."""
+        return persistent_walk.velocity_correlation(lags * (1.0 - lags / frame.own_s), amplitude, rate, turn, window)
 
-    def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
-        return model(persistent_walk.delayed_lag(at, memory), amplitude, rate, turn)
+    def with_memory(lags: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
+        """Return the correlation at these lags (s) if rates of turning last for a time `memory` (s)."""
+        return model(persistent_walk.delayed_lag(lags, memory), amplitude, rate, turn)
 
     if not frame.memory:
         return persistent_walk.fit(model, lag, values, errors, _guess_start(lag, values, errors))
     lowest = (*[-math.inf] * 3, 0.0)
-    return persistent_walk.fit(late, lag, values, errors, _guess_memory(lag, values, errors), lowest)
+    return persistent_walk.fit(with_memory, lag, values, errors, _guess_with_memory(lag, values, errors), lowest)
 
 
-def _guess_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
-    """Guess amplitude, rate, no turn, and memory: the best of several by lines in logarithms."""
-    height, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
+def _guess_with_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
+    """Guess amplitude, rate (1/s), turn (0) and memory (s) of the correlation `values` at lags (s).
+
+    Lines are fitted to its logarithm for several memories; the best counts.
+    """
+    log_size, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
     guesses = []
     for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
-        line, rest, *_ = np.polyfit(persistent_walk.delayed_lag(lag, memory), height, 1, w=weights, full=True)
-        guesses.append((float(rest.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
+        line, misfit, *_ = np.polyfit(persistent_walk.delayed_lag(lag, memory), log_size, 1, w=weights, full=True)
+        guesses.append((float(misfit.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
     _, amplitude, rate, memory = min(guesses)
     return amplitude, rate, 0.0, memory
 
 
-def _zero_lag_log(lag: Array, kept: Complex) -> float:
-    """Return the logarithm of the correlation of headings as the lag goes to 0: noise makes it less than 0.
+def _log_correlation_at_zero(lag: Array, correlation: Complex) -> float:
+    """Extrapolate the logarithm of the correlation of headings to lag 0: noise makes it negative.
 
-    By the parabola through the first three lags: with inertia, headings hardly turn at first, so
-    that the fitted decay would not meet it.
+    By the parabola through the first three lags (s): with inertia headings hardly turn at first, and the fitted decay
+    would miss it.
     """
-    height = np.log(np.maximum(np.abs(kept[:3]), 1e-300))
-    return float(np.polyval(np.polyfit(lag[:3], height, 2), 0.0))
+    logarithms = np.log(np.maximum(np.abs(correlation[:3]), 1e-300))
+    return float(np.polyval(np.polyfit(lag[:3], logarithms, 2), 0.0))
 
 
-def _velocity(sums: Moments) -> complex:
-    """Return the displacement a sample (mm) along the heading and to its left, at the heading's own time.
+def _body_velocity(sums: Moments) -> complex:
+    """Return the mean displacement in a sample (mm), along the heading and (imaginary part) to its left.
 
-    Headings before a displacement and headings after it are extrapolated to it separately:
-    there may be a cusp between them (headings that diffuse) or none (inertia).
+    It is extrapolated to the heading's own time, from headings before a displacement and after it separately: there may
+    be a cusp between them (headings that diffuse) or none (inertia).
     """
     (near, near_pairs), (far, far_pairs) = sums.near, sums.far
     if not near_pairs.real or not far_pairs.real:
@@ -281,18 +294,21 @@ def _velocity(sums: Moments) -> complex:
     return straight
 
 
-def _extrapolated_share(kept: Callable[[Array], Array]) -> float:
-    """Return the share of a speed that `_velocity` gives, 1 up to second order in the turn of a sample.
+def _extrapolated_share(correlation: Callable[[Array], Array]) -> float:
+    """Return the share of a speed that the extrapolation of `_body_velocity` gives.
 
-    `kept` is the correlation of headings by lag (samples).
+    It is 1 up to second order in the turn of a sample. `correlation`: that of headings by lag (samples).
     """
-    at, weights = np.polynomial.legendre.leggauss(8)
-    near, far = (0.5 * float(weights @ kept(first + 0.5 + 0.5 * at)) for first in (0.0, 1.0))
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    near, far = (0.5 * float(weights @ correlation(first + 0.5 + 0.5 * nodes)) for first in (0.0, 1.0))
     return NEAR_WEIGHT * near + FAR_WEIGHT * far
 
 
 def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
-    """Guess amplitude, rate and turn for the fit; the turn is followed from lag to lag."""
+    """Guess amplitude, rate (1/s) and turn (rad/s) of the correlation `values` at lags (s).
+
+    The turn is followed from lag to lag.
+    """
     size = np.abs(values)
     turn = 0.0
     for at, value, error in zip(lag, values, errors, strict=True):
@@ -305,7 +321,10 @@ def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, flo
 
 
 def from_spread(spread: Spread, interval: float) -> dict[str, float]:
-    """Return the numbers of a fit of the squared displacement, by the names of UNITS and FIT_NUMBERS."""
+    """Return the numbers that follow from a fit of the squared displacement, by name.
+
+    `interval`: time between samples, s.
+    """
     speed2, offset = spread.mean_square, spread.offset
     return {
         "msd_speed2": speed2,
@@ -321,9 +340,9 @@ def from_spread(spread: Spread, interval: float) -> dict[str, float]:
 
 
 def _fit_dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the spread about each walker's own run in a lane, over the last decade of fitted lags.
+    """Fit the spread about each walker's mean run in a lane; add diffusivity and crossover time to `numbers`.
 
-    It is 2 D lag (1 - lag / T), as the own speed was measured over T.
+    It is 2 D lag (1 - lag / T), as the mean run was measured over T. The last decade of fitted lags counts.
     """
     lag = frame.grid.square_lags * frame.interval
     values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)

@@ -86,14 +86,14 @@ def from_motion(motion: Motion) -> dict[str, Any]:
 
 
 def _estimate_facts(name: str, estimate: Quantity) -> dict[str, float | None]:
-    """Return an estimate's value, error and bounds under keys that carry its unit."""
+    """Return an estimate's value, error and 95 % bounds under keys with its name and unit."""
     low, high = interval_bounds(estimate)
     bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
     return {f"{name}_{UNITS[name]}": estimate.value, f"{name}_se_{UNITS[name]}": estimate.se} | bounds
 
 
 def _null_reasons(estimate: Quantity) -> dict[str, str]:
-    """Return why a number, its error or its bounds are null, by the key of what is missing."""
+    """Return why a value or its bounds are null, by the key of each; {} if none is."""
     if estimate.refused:
         return {estimate.column: estimate.refused}
     if estimate.interval() is not None:
@@ -102,7 +102,7 @@ def _null_reasons(estimate: Quantity) -> dict[str, str]:
 
 
 def _fit_facts(motion: Motion) -> dict[str, float | None] | None:
-    """Return the parameters of the fit of the squared displacement, and its goodness."""
+    """Return the parameters and the goodness of the fit of the squared displacement; None without a fit."""
     fit = motion.msd_fit
     if fit is None:
         return None
@@ -114,21 +114,22 @@ def _fit_facts(motion: Motion) -> dict[str, float | None] | None:
 
 
 def _point_facts(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
-    return [dict(zip(names, point, strict=True)) for point in curve_points(curve)]
+    """Return the points of a curve as mappings; `names` are the keys of its arrays."""
+    return [dict(zip(names, values, strict=True)) for values in curve_points(curve)]
 
 
-def curve_points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
-    """Return the points of a curve; None for a number that is unknown, or not finite."""
+def curve_points(arrays: Sequence[Array]) -> list[tuple[float | None, ...]]:
+    """Return the points of a curve, given as an array for each coordinate; None for a number that is not finite."""
     return [
-        tuple(float(value) if math.isfinite(value) else None for value in point) for point in zip(*curve, strict=True)
+        tuple(float(value) if math.isfinite(value) else None for value in point) for point in zip(*arrays, strict=True)
     ]
 
 
 def scale_se(number: Quantity, motion: Motion) -> float | None:
-    """Return the error of a number by the scale of the film, common to all lengths; 0 without a length.
+    """Return the error of a number that the film's scale causes; 0 for a number without a length.
 
-    To first order: a length to a power is off by so many times the scale's share. None when value
-    or scale's error is not known.
+    To first order: a length to a power has so many times the scale's relative error. None if the value or the scale's
+    error is unknown.
     """
     power = 2 if number.unit.startswith("mm2") else 1 if number.unit.startswith("mm") else 0
     if number.value is None or (power and motion.scale_se is None):
@@ -137,11 +138,11 @@ def scale_se(number: Quantity, motion: Motion) -> float | None:
 
 
 def scale_errors(motion: Motion) -> Array:
-    """Return the errors of the mean squared displacement by the scale, mm^2; NaN if unknown."""
+    """Return the errors of the mean squared displacement that the film's scale causes, mm^2; NaN if unknown."""
     share = math.nan if motion.scale_se is None else motion.scale_se
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
 
 
 def interval_bounds(estimate: Quantity) -> tuple[float | None, float | None]:
-    """Return the bounds of 95 %; None for an unknown one."""
+    """Return the lower and upper bound of 95 %; None for both if unknown."""
     return estimate.interval(0.95) or (None, None)

@@ -29,39 +29,43 @@ TURN_POWERS = {
 a variance, so that chance makes it small, and its error with it, more often than large."""
 
 
-def with_walker_error(within: Quantity, without_one: Sequence[float], surely: bool) -> Quantity:
-    """Return a number with its error over walkers if they differ, or always if `surely`.
+def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: bool) -> Quantity:
+    """Replace the error of a number by that over walkers if these differ, or if `always`.
 
-    `without_one` holds the number without each of the walkers.
+    `leave_one_out`: the number of all walkers, then without each one.
     """
-    few, values = len(without_one) - 1, np.array(without_one)[:, None]
-    if few < 1 or not within.se or not np.isfinite(values).all():
-        return within
+    freedom, values = len(leave_one_out) - 1, np.array(leave_one_out)[:, None]
+    if freedom < 1 or not number.se or not np.isfinite(values).all():
+        return number
     error = float(statistics.jackknife_error(values)[0])
-    if not surely and fisher_tail(few, within.freedom, (error / within.se) ** 2) > DIFFERENCE_P_VALUE:
-        return within
-    return within._replace(se=error, freedom=float(few), least=0.0)
+    if not always and fisher_tail(freedom, number.freedom, (error / number.se) ** 2) > DIFFERENCE_P_VALUE:
+        return number
+    return number._replace(se=error, freedom=float(freedom), least=0.0)
 
 
 def with_detection_limit(number: Quantity, share: float) -> Quantity:
-    """Widen the bounds of a diffusivity or crossover time that is reported only above a `share` of the run's rate.
+    """Widen the bounds of a diffusivity or crossover time that is reported only if the run's rate is large enough.
 
-    Chance can make the rate large and such a number small, so that it is reported: its upper bound allows for that.
+    `share`: the least such rate over the estimated one. Chance can make the rate large and the number small: its upper
+    bound allows for that.
     """
     return number._replace(least=share / number.number) if share and number.key in SPREADING_QUANTITIES else number
 
 
 def with_variance_laws(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity]:
-    """Add the laws of estimates that go as a variance; without a `run`, diffusivity has the law of displacements."""
+    """Return the estimates with bounds of a variance where they scatter as one.
+
+    Without a `run` (False), diffusivity and crossover time scatter as the squared displacement.
+    """
     laws = TURN_POWERS if run else TURN_POWERS | dict.fromkeys(SPREADING_QUANTITIES, 1)
-    numbers = {**estimates, **_persistence_scales(estimates)}
+    numbers = {**estimates, **_persistence_time_and_length(estimates)}
     return {
         name: _with_variance_bounds(number, laws[name]) if name in laws else number for name, number in numbers.items()
     }
 
 
 def _with_variance_bounds(number: Quantity, power: int) -> Quantity:
-    """Give a number the bounds that it has if its power `power` scatters as a variance does.
+    """Return a number with bounds as if its `power`-th power scattered as a variance.
 
     The degrees of freedom match its relative error; fewer if that is itself uncertain, but at least one. A rate that
     may be 0 or less keeps its own bounds. A diffusivity with a value is above 0, however few the walkers are.
@@ -79,10 +83,10 @@ def _with_variance_bounds(number: Quantity, power: int) -> Quantity:
 
 
 def turning_scatter_refusals(estimates: Mapping[str, Quantity], scatter: Quantity) -> dict[str, Quantity]:
-    """Refuse what walkers' own turning rates, with this `scatter` (rad/s), may shift by more than bounds allow.
+    """Refuse diffusivity and crossover time if unequal turning rates may shift them by more than their bounds.
 
-    One fit to all knows only their mean rate of turning: what a run adds, v^2 rate / (2 (rate^2 + turn^2)), is off by
-    a share of (scatter / rate)^2 at most, to second order; the rate is that about each one's own turning.
+    `scatter`: standard deviation of the walkers' turning rates, rad/s. One fit to all uses only their mean rate: what a
+    run adds, v^2 rate / (2 (rate^2 + turn^2)), is off by a share of (scatter / rate)^2 at most, to second order.
     """
     rate = estimates["persistence_rate"]
     if not (scatter.known and rate.known and rate.number > 0.0):
@@ -97,8 +101,8 @@ def turning_scatter_refusals(estimates: Mapping[str, Quantity], scatter: Quantit
     }
 
 
-def _persistence_scales(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Return persistence time and length with the relative error of the rate; one sample can make 1 / rate huge."""
+def _persistence_time_and_length(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Return persistence time and length with the relative error of the rate: 1 / rate may be huge in a sample."""
     rate, speed = estimates["persistence_rate"], estimates["speed"]
     times = {}
     for name, other in (("persistence_time", None), ("persistence_length", speed)):

@@ -15,7 +15,7 @@ from walkergen.core.numerics import Array, Complex, Mask, Whole
 
 @functools.cache
 def fft_length(size: int) -> int:
-    """Return the least length of at least `size` that transforms quickly: of the prime factors 2, 3 and 5."""
+    """Return the least length >= `size` with only the prime factors 2, 3 and 5, which transforms quickly."""
     powers = (three * five for three in 3 ** np.arange(21) for five in 5 ** np.arange(14) if three * five < 2 * size)
     return min(int(power) << max(math.ceil(math.log2(size / power)), 0) for power in powers)
 
@@ -23,8 +23,8 @@ def fft_length(size: int) -> int:
 def sum_squares(position: Array, lags: Whole) -> tuple[Array, Array]:
     """Compute the sum of |r(t + lag) - r(t)|^2 and the number of pairs, each of shape (lags,).
 
-    `position` has shape (times, dimensions). The mean drift is removed before the transforms and
-    added back afterwards, so that digits are lost to the spread about it, not to the length of the
+    `position` has shape (times, dimensions), `lags` are in samples. The mean drift is removed before the transforms
+    and added back afterwards, so that digits are lost to the spread about it, not to the length of the
     run: relative errors stay near 1e-16 (spread / displacement)^2 (after Calandrini et al. 2011).
     """
     seen: Mask = ~np.isnan(position.sum(axis=1))
@@ -42,6 +42,7 @@ def sum_squares(position: Array, lags: Whole) -> tuple[Array, Array]:
     weight = fft.rfft(seen.astype(float), size)
 
     def correlate(left: Complex, right: Complex) -> Array:
+        """Return the cross-correlation of two series at the lags, from their transforms."""
         product: Array = fft.irfft(np.conj(left) * right, size)[near]
         return product
 
@@ -78,6 +79,7 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
     size = fft_length(2 * len(first))
 
     def transform(series: Complex) -> tuple[Complex, Complex]:
+        """Return the transforms of a series, 0 where it is NaN, and of where it is known (1 or 0)."""
         seen = ~np.isnan(series)
         return fft.fft(np.where(seen, series, 0.0), size), fft.fft(seen.astype(float), size)
 
@@ -88,24 +90,30 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
     return total, pairs
 
 
-def sum_free_squares(position: Array, lags: Whole, reach: Whole) -> tuple[Array, Array]:
-    """Sum as `sum_squares` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
+def sum_free_squares(position: Array, lags: Whole, free_time: Whole) -> tuple[Array, Array]:
+    """Sum squared displacements |r(t + lag) - r(t)|^2; return sums and numbers of pairs, each of shape (lags,).
+
+    Only pairs count whose first sample has a `free_time` (samples before a wall can be reached) of at least the lag.
+    """
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
-    for place, lag in enumerate(lags):
-        moved = (position[lag:] - position[:-lag])[reach[:-lag] >= lag]
+    for at, lag in enumerate(lags):
+        moved = (position[lag:] - position[:-lag])[free_time[:-lag] >= lag]
         square = (moved**2).sum(axis=1)
         known = ~np.isnan(square)
-        sums[place], counts[place] = square[known].sum(), known.sum()
+        sums[at], counts[at] = square[known].sum(), known.sum()
     return sums, counts
 
 
-def sum_free_products(series: Complex, lags: Whole, reach: Whole) -> tuple[Complex, Array]:
-    """Sum as `sum_products` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
+def sum_free_products(series: Complex, lags: Whole, free_time: Whole) -> tuple[Complex, Array]:
+    """Sum products conj(z(t)) z(t + lag); return sums and numbers of pairs, each of shape (lags,).
+
+    Only pairs count whose first sample has a `free_time` (samples before a wall can be reached) of at least the lag.
+    """
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
-    for place, lag in enumerate(lags):
-        each = (np.conj(series[:-lag]) * series[lag:])[reach[: len(series)][:-lag] >= lag]
-        known = ~np.isnan(each)
-        sums[place], counts[place] = each[known].sum(), known.sum()
+    for at, lag in enumerate(lags):
+        products = (np.conj(series[:-lag]) * series[lag:])[free_time[: len(series)][:-lag] >= lag]
+        known = ~np.isnan(products)
+        sums[at], counts[at] = products[known].sum(), known.sum()
     return sums, counts
 
 

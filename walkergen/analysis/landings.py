@@ -30,10 +30,10 @@ class Landings(NamedTuple):
 
 
 def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landings:
-    """Count the landings of a walker on `feet` feet in `duration` seconds, one entry a landing.
+    """Count the landings of a walker with this number of feet, in `duration` seconds.
 
-    `time` of the first touch (s), in any order; number of the `corner`. A group begins with a
-    landing and takes in all that follow within `MAX_GROUP_S` of it.
+    `time` (s, in any order) and `corner` (its number): one entry for each first touch of a corner. A group begins with
+    a landing and contains all that follow within `MAX_GROUP_S` of it.
     """
     order = np.argsort(time, kind="stable")
     landed = _group_corners(time[order], corner[order], feet * CORNERS_PER_FOOT)
@@ -50,7 +50,10 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
 
 
 def _group_corners(time: Array, corner: Whole, corners: int) -> Mask:
-    """Return the corners that land in each group, shape (groups, corners); times are sorted."""
+    """Return which corners land in each group, shape (groups, corners).
+
+    `time` (s, sorted) and `corner` (number): one entry a landing.
+    """
     firsts, at = [], 0
     while at < len(time):
         firsts.append(at)

@@ -22,11 +22,11 @@ class Line(NamedTuple):
 
 
 def line_through_origin(x: Array, y: Array, errors: Array) -> Line:
-    """Fit y = slope x by weighted least squares; shapes (n,) with n >= 2, errors > 0."""
+    """Fit y = slope x by weighted least squares. Arrays have shape (n,), n >= 2; errors of y are > 0."""
     from scipy.stats import chi2 as chi2_law
 
     weights = errors**-2.0
     norm = float(np.sum(weights * x**2))
     slope = float(np.sum(weights * x * y)) / norm
-    rest = float(np.sum(weights * (y - slope * x) ** 2))
-    return Line(Quantity("slope", "", slope, norm**-0.5), rest, float(chi2_law.sf(rest, len(x) - 1)), len(x))
+    squares = float(np.sum(weights * (y - slope * x) ** 2))
+    return Line(Quantity("slope", "", slope, norm**-0.5), squares, float(chi2_law.sf(squares, len(x) - 1)), len(x))

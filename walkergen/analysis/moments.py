@@ -66,22 +66,23 @@ class Moments(NamedTuple):
 
 
 def total(parts: Iterable[Moments]) -> Moments:
-    """Sum several moments, field by field."""
-    fields: list[Any] = [sum(field[1:], field[0]) for field in zip(*parts, strict=True)]
+    """Return the sum of several moments, field by field."""
+    fields: list[Any] = [sum(values[1:], values[0]) for values in zip(*parts, strict=True)]
     return Moments(*fields)
 
 
 def subtract(whole: Moments, part: Moments) -> Moments:
-    """Subtract two moments, field by field."""
+    """Return `whole` less `part`, field by field."""
     fields: list[Any] = [a - b for a, b in zip(whole, part, strict=True)]
     return Moments(*fields)
 
 
 def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
-    """Group independent samples, and find the length at which half of all time is in longer samples.
+    """Group tracks into independent samples; return them, and a typical length of their pieces, in positions.
 
-    Samples are particles if there are enough, otherwise at least MIN_PIECES pieces of tracks of about equal length.
-    Pieces are independent only if increments decorrelate, which `motion` checks.
+    Half of all time is in pieces of this length or more. Samples are particles if there are enough, otherwise at least
+    MIN_PIECES pieces of tracks of about equal length. Pieces are independent only if increments decorrelate, which
+    `motion` checks.
     """
     long = [track for track in tracks if len(track.position) > 1]
     pieces = _cut_tracks(long) if has_few_particles(tracks) else long
@@ -94,15 +95,13 @@ def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int
 
 
 def has_few_particles(tracks: Sequence[Track]) -> bool:
-    """Return whether tracks are cut, because particles are too few to be the samples.
-
-    Particles count by the time they were seen: many stubs do not make up for few tracks.
-    """
+    """Return whether particles are too few to be the samples, so that tracks are cut."""
     lengths = np.array([len(track.position) - 1.0 for track in tracks])
     return bool(lengths.sum() ** 2 < MIN_PARTICLES * (lengths**2).sum())
 
 
 def _cut_tracks(tracks: Sequence[Track]) -> list[Track]:
+    """Cut tracks into at least MIN_PIECES pieces of about equal length, if they are long enough."""
     lengths = [len(track.position) - 1 for track in tracks]
     size = sum(lengths) // MIN_PIECES
     while size > 1 and sum(length // size for length in lengths) < MIN_PIECES:
@@ -119,7 +118,7 @@ def _cut_tracks(tracks: Sequence[Track]) -> list[Track]:
 
 
 def _piece_edges(track: Track, count: int) -> Whole:
-    """Find where to cut a track into `count` pieces of equal length or, between walls, of equal free motion."""
+    """Return the samples where to cut a track into `count` pieces of equal length or, with walls, equal free motion."""
     last, free = len(track.position) - 1, track.free_samples(1)
     if free is None or not free.any():
         return np.linspace(0, last, count + 1).astype(np.int64)
@@ -131,8 +130,8 @@ def _piece_edges(track: Track, count: int) -> Whole:
 def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     """Compute the moments of one track or of a piece of one.
 
-    `mean_step` is that of the whole track: the turn of its heading (rad) a sample, or in a lane its
-    way (mm).
+    `mean_step` is subtracted in each sample: the mean turn (rad) of the whole track or, in a lane, its mean
+    displacement (mm).
     """
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
@@ -143,11 +142,11 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     if lane:
         drift = mean_step * times[:, None]
         about_mean, _ = lag_sums.sum_squares(track.position - drift, grid.square_lags)
-    turn, turn_pairs = _sum_products(track, headings * np.exp(-1j * mean_step * times[: len(headings)]), grid)
+    turn, turn_pairs = _sum_direction_products(track, headings * np.exp(-1j * mean_step * times[: len(headings)]), grid)
     return Moments(
         net_displacement(track),
-        _sum_and_number(heading_displacements(track, mean_step, 0)),
-        _sum_and_number(heading_displacements(track, mean_step, 1)),
+        _sum_and_count(heading_displacements(track, mean_step, 0)),
+        _sum_and_count(heading_displacements(track, mean_step, 1)),
         _sum_turns(track),
         _power_sums(forward),
         _power_sums(sideways),
@@ -162,22 +161,22 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
 
 
 def sum_squares(track: Track, lags: Whole) -> tuple[Array, Array]:
-    """Sum squared displacements, mm^2, and count pairs by lag; between walls those of free motion."""
+    """Return sums of squared displacements (mm^2) and numbers of pairs by lag (samples), without pairs near walls."""
     if track.reach is None:
         return lag_sums.sum_squares(track.position, lags)
     return lag_sums.sum_free_squares(track.position, lags, track.reach)
 
 
-def _sum_products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, Array]:
-    """Sum products of headings, or of displacements, and count pairs by lag; between walls those of free motion."""
+def _sum_direction_products(track: Track, directions: Complex, grid: Grid) -> tuple[Complex, Array]:
+    """Return sums of products of directions and numbers of pairs by lag, without pairs near walls."""
     if track.reach is None:
-        return lag_sums.sum_products(series, grid.turn_lags)
+        return lag_sums.sum_products(directions, grid.turn_lags)
     span = 0 if track.heading is not None else grid.step
-    return lag_sums.sum_free_products(series, grid.turn_lags, track.reach - span)
+    return lag_sums.sum_free_products(directions, grid.turn_lags, track.reach - span)
 
 
 def mask_near_walls(values: npt.NDArray[Any], free: Mask | None) -> npt.NDArray[Any]:
-    """Return the values that begin at free samples, the last axis by sample; NaN elsewhere."""
+    """Return values with NaN where the sample they begin at is not `free`; the last axis is by sample."""
     return values if free is None else np.where(free[: values.shape[-1]], values, np.nan)
 
 
@@ -197,10 +196,10 @@ def direction_vectors(track: Track, step: int) -> Complex:
 
 
 def displacements(track: Track, step: int) -> tuple[Array, Array]:
-    """Return the displacements over `step` along and across the heading at their start (mm), without NaN.
+    """Return the displacements over `step` samples along and across the heading at their start (mm), without NaN.
 
-    In a lane they are along and across x. On a plane without headings there are none: the direction
-    would have to be taken from the displacement itself.
+    In a lane they are along x, and none across. On a plane without headings there are none: the direction would have to
+    be taken from the displacement itself.
     """
     none = np.zeros(0)
     position = complex_position(track)
@@ -215,7 +214,7 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
 
 
 def net_displacement(track: Track) -> Array:
-    """Return the displacement along x (mm) from the first to the last sample seen, and samples between."""
+    """Return the displacement along x (mm) from the first to the last known sample, and the samples between."""
     seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
     if len(seen) < 2:
         return np.zeros(2)
@@ -224,10 +223,10 @@ def net_displacement(track: Track) -> Array:
 
 
 def body_frame_displacements(track: Track, step: int) -> Complex:
-    """Return the displacements over `step` ahead (real part) and to the left, mm; NaN if one is unknown.
+    """Return the displacements over `step` samples ahead (real part) and to the left, mm; NaN if unknown.
 
-    They count along the mean of the unit vectors of the headings at both ends: so a walker that
-    runs straight ahead while it turns steadily does not drift sideways.
+    They count along the mean of the unit vectors of the headings at both ends: so a walker that runs straight ahead
+    while it turns steadily does not drift sideways.
     """
     assert track.heading is not None
     unit = np.exp(1j * track.heading[::step])
@@ -236,36 +235,37 @@ def body_frame_displacements(track: Track, step: int) -> Complex:
     return mask_near_walls(moved, None if free is None else free[::step])
 
 
-def heading_displacements(track: Track, turning: float, out: int) -> Complex:
-    """Return the displacements (mm) along headings `out` samples before and after them, shape (2, n).
+def heading_displacements(track: Track, turn: float, offset: int) -> Complex:
+    """Return the displacements in a sample (mm) along headings `offset` samples before and after, shape (2, n).
 
-    The imaginary part is to the left; NaN where one is not known. Headings are turned forth and
-    back to the middle by `turning` (rad a sample), and the way is that on the arc, not its chord: a
-    walker that turns steadily is not slower, nor drifts aside.
+    The imaginary part is to the left; NaN if unknown. `turn` (rad per sample) is the mean one: headings are turned by
+    it to the middle, and the length is that on the arc, not its chord. A walker that turns steadily is not slower, nor
+    drifts aside.
     """
     if track.heading is None:
         return np.zeros((2, 0), dtype=complex)
-    chord = np.sinc(0.5 * turning / np.pi)
+    chord = np.sinc(0.5 * turn / np.pi)
     moved = np.diff(complex_position(track)) / chord
-    beyond = np.full(out, np.nan)
+    beyond = np.full(offset, np.nan)
     heading = np.concatenate([beyond, track.heading, beyond])
     values = [
-        moved * np.exp(-1j * (heading[first : first + len(moved)] - turning * (first - out - 0.5)))
-        for first in (0, 2 * out + 1)
+        moved * np.exp(-1j * (heading[first : first + len(moved)] - turn * (first - offset - 0.5)))
+        for first in (0, 2 * offset + 1)
     ]
-    free = track.free_samples(1 + 2 * out)  # from the first heading to the last
+    free = track.free_samples(1 + 2 * offset)  # from the first heading to the last
     if free is not None:
-        free = np.concatenate([np.zeros(out, dtype=bool), free])
+        free = np.concatenate([np.zeros(offset, dtype=bool), free])
     return mask_near_walls(np.stack(values), free)
 
 
-def _sum_and_number(values: Complex) -> Complex:
-    """Return the sum and number of the known values."""
+def _sum_and_count(values: Complex) -> Complex:
+    """Return the sum and number of the values that are not NaN."""
     present = values[~np.isnan(values)]
     return np.array([present.sum(), len(present)])
 
 
 def _sum_turns(track: Track) -> Array:
+    """Return the sum of the turns (rad) between samples, and their number; zeros without headings."""
     if track.heading is None:
         return np.zeros(2)
     turns = mask_near_walls(np.diff(track.heading), track.free_samples(1))
@@ -274,6 +274,7 @@ def _sum_turns(track: Track) -> Array:
 
 
 def _power_sums(values: Array) -> Array:
+    """Return the number, the sum and the sum of squares of values."""
     return np.array([float(len(values)), values.sum(), (values**2).sum()])
 
 

@@ -105,15 +105,15 @@ DEFAULT_LAG_S = 0.04
 def analyse(
     tracks: Tracks, lag_s: float | None = None, found: Walls | None = None, descent: float | None = None
 ) -> Motion:
-    """Compute the statistics of all tracks; displacements along and across the body span `lag_s`.
+    """Compute the statistics of all tracks.
 
-    `lag_s` (s) is by default DEFAULT_LAG_S, or one sample where that is longer.
-    Between walls that were `found` all numbers are of free motion. `descent` is the direction (rad) toward which the
-    plate descends; None: it is level.
+    `lag_s` (s) is the time of displacements along and across the body: by default DEFAULT_LAG_S, or one sample if that
+    is longer. With walls that were `found` all numbers are of free motion. `descent` is the direction (rad) toward
+    which the plate descends; None: it is level.
 
-    With tracks at several plate speeds only the speed at each, and the line through the origin
-    (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
-    lag is below one sample or beyond the longest track, or when no particle is seen twice.
+    With tracks at several plate speeds only the speed at each, and the line through the origin (paper's figure 5), mean
+    something; the other numbers are refused. Raises InputError when the lag is below one sample or beyond the longest
+    track, or when no particle is seen twice.
     """
     shortest, longest = tracks.interval, max(len(t.position) for t in tracks.tracks)
     lag_s = max(DEFAULT_LAG_S, shortest) if lag_s is None else lag_s
@@ -141,6 +141,7 @@ def analyse(
 
 
 def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descent: float | None) -> Motion:
+    """Compute the statistics of tracks at one plate speed; arguments as in `analyse`."""
     groups, length = moments.independent_samples(tracks.tracks)
     if not groups:
         raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
@@ -151,24 +152,25 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         lags = min(lags, int(grid.square_lags[-1]))
     on_plane = headed and not tracks.lane
     aligned = alignment.self_alignment(groups, tracks.interval, descent)
-    turnings = turning.walker_turnings(_remove_slope(tracks, aligned, descent), tracks.interval) if on_plane else []
-    mean_steps = _mean_runs(tracks) if tracks.lane else _mean_turns(tracks, turnings)
+    turnings = turning.walker_turnings(_level_headings(tracks, aligned, descent), tracks.interval) if on_plane else []
+    mean_steps = _mean_lane_steps(tracks) if tracks.lane else _mean_turns(tracks, turnings)
 
     def sum_moments(some: Iterable[Track]) -> Moments:
+        """Return the sum of the moments of some tracks."""
         return moments.total(moments.measure(t, grid, mean_steps[t.particle]) for t in some)
 
     parts = [sum_moments(group) for group in groups]
-    of_pieces = moments.total(parts)
-    left_out = [moments.subtract(of_pieces, part) for part in parts]
+    sum_of_pieces = moments.total(parts)
+    without_one_sample = [moments.subtract(sum_of_pieces, part) for part in parts]
     in_pieces = moments.has_few_particles(tracks.tracks)
     # Whole tracks have pairs that their pieces lack.
-    whole = sum_moments(tracks.tracks) if in_pieces else of_pieces
-    both = [whole, *left_out]
-    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
+    whole = sum_moments(tracks.tracks) if in_pieces else sum_of_pieces
+    all_and_without_one = [whole, *without_one_sample]
+    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in all_and_without_one]
     msd = _jackknife_curve(grid.square_lags, squares, length)
     slopes = [_local_exponents(grid.square_lags, square) for square in squares]
     exponent = _jackknife_curve(grid.square_lags, slopes, length / HALF_OCTAVE)
-    turn = [mean(m.turn, m.turn_pairs) for m in both]
+    turn = [mean(m.turn, m.turn_pairs) for m in all_and_without_one]
     fitted = grid.square_lags <= lags
     times = [walker.seconds for walker in turnings]
     if tracks.lane:
@@ -183,11 +185,11 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         False,
         False,
         np.where(fitted, msd.se, np.nan),
-        _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
+        _jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
         found is not None,
     )
-    frame, numbers = verdicts.choose_memory(both, frame)
-    numbers, fit = spread_numbers.add_fit(numbers, both, frame, lags)
+    frame, numbers = verdicts.choose_memory(all_and_without_one, frame)
+    numbers, fit = spread_numbers.add_fit(numbers, all_and_without_one, frame, lags)
     alone = particle_scatter.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
     together = particle_scatter.compare(alone)
     if headed:
@@ -198,60 +200,62 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in few)]
     unlike, between_turns = verdicts.evaluate_all(without_one, frame), turning.scatter(turnings)
-    judged = verdicts.judge(
+    estimates = verdicts.attach_errors(
         numbers[0],
         numbers[1:],
         frame,
         fit,
         spread_numbers.add_refit(unlike[1:], without_one[1:], frame, fit),
         lags * tracks.interval,
-        _freedom(parts, int(fitted.sum()) - 1),
+        _effective_freedom(parts, int(fitted.sum()) - 1),
         between_turns.known or (together is not None and together.scatter.known),
     )
     if in_pieces:
-        judged |= _speed_means(alone, together, frame)
+        estimates |= _speed_means(alone, together, frame)
     elif together is not None and not (headed or tracks.lane):
-        judged |= _mean_of_roots(judged, together.scatter)
+        estimates |= _mean_of_roots(estimates, together.scatter)
     lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
-    judged["speed_scatter"] = together.scatter if together else lone
+    estimates["speed_scatter"] = together.scatter if together else lone
     if on_plane:
-        judged |= interval_laws.turning_scatter_refusals(judged, between_turns) | {"turning_scatter": between_turns}
+        estimates |= interval_laws.turning_scatter_refusals(estimates, between_turns) | {
+            "turning_scatter": between_turns
+        }
         noise2, lasting = (
             verdicts.jackknife_quantity(numbers, name) for name in ("heading_variance", "turning_memory")
         )
-        judged["rotational_diffusion"] = turning.diffusion(turnings, noise2, lasting)
+        estimates["rotational_diffusion"] = turning.diffusion(turnings, noise2, lasting)
     if headed and not tracks.lane:
-        judged |= aligned
+        estimates |= aligned
     correlation = _jackknife_curve(grid.turn_lags, [np.abs(values) for values in turn], length)
     return Motion(
-        estimates=judged,
+        estimates=estimates,
         particles=len(tracks.tracks),
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_describe_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=[*([found.said] if found else []), *_misfit_doubts(fit), *_scatter_doubts(judged, descent)],
+        doubts=[*([found.said] if found else []), *_misfit_doubts(fit), *_scatter_doubts(estimates, descent)],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         own_s=own_s,
-        parallel=_density_curve(grid.bins[0], [sample.density_along for sample in both]),
-        orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in both]),
+        parallel=_density_curve(grid.bins[0], [sample.density_along for sample in all_and_without_one]),
+        orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in all_and_without_one]),
         walkers=alone,
         walls=found,
     )
 
 
-def _freedom(parts: Sequence[Moments], longest: int) -> float:
+def _effective_freedom(parts: Sequence[Moments], lag_index: int) -> float:
     """Return the degrees of freedom of an error over samples with unlike numbers of pairs at one lag (Kish 1965)."""
-    pairs = np.array([part.square_pairs[longest] for part in parts])
+    pairs = np.array([part.square_pairs[lag_index] for part in parts])
     return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
 
 
-def _remove_slope(tracks: Tracks, aligned: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
-    """Remove from the tracks' headings the turning by the slope, if it is known."""
-    rate = aligned["slope_turning"].value
+def _level_headings(tracks: Tracks, estimates: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
+    """Return the tracks with headings as on a level plate, if the turning by the slope is known."""
+    rate = estimates["slope_turning"].value
     if descent is None or rate is None:
         return tracks.tracks
     return [
@@ -261,20 +265,24 @@ def _remove_slope(tracks: Tracks, aligned: Mapping[str, Quantity], descent: floa
 
 
 def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
-    """Return the mean turn a sample of each particle, rad; the mean of all particles if one's own is unknown."""
+    """Return the mean turn in a sample of each particle, rad; that of all if its own is unknown."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
     turns = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
     return turns | {walker.particle: walker.rate * tracks.interval for walker in turnings}
 
 
-def _mean_runs(tracks: Tracks) -> dict[int, float]:
-    """Return the mean way a sample of each particle in a lane, mm."""
-    runs = {track.particle: moments.net_displacement(track) for track in tracks.tracks}
-    return {name: float(way / max(samples, 1.0)) for name, (way, samples) in runs.items()}
+def _mean_lane_steps(tracks: Tracks) -> dict[int, float]:
+    """Return the mean displacement in a sample of each particle in a lane, mm."""
+    sums = {track.particle: moments.net_displacement(track) for track in tracks.tracks}
+    return {particle: float(displacement / max(samples, 1.0)) for particle, (displacement, samples) in sums.items()}
 
 
 def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
+    """Choose the lags, and the bins of displacements over `lag_s` s.
+
+    `length`: that of typical samples, in positions; `headed`: whether headings are known.
+    """
     step = max(round(lag_s / tracks.interval), 1)
     longest = max(len(track.position) for track in tracks.tracks)
     moved = [moments.displacements(track, step) for track in tracks.tracks]
@@ -291,15 +299,18 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
     return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
 
 
-def _longest_free_lag(reach: Sequence[Whole], least: int) -> int:
-    """Return the longest lag (samples) that enough places, free for `least`, can be followed between walls."""
-    free = np.concatenate(reach)
-    free = free[free >= least]
+def _longest_free_lag(free_times: Sequence[Whole], shortest: int) -> int:
+    """Return the longest lag (samples) that enough places between walls have, of those free for the `shortest`.
+
+    `free_times`: for each track the samples after each place without a wall in reach.
+    """
+    free = np.concatenate(free_times)
+    free = free[free >= shortest]
     return int(np.quantile(free, 1.0 - FREE_PLACES_SHARE)) if len(free) else 0
 
 
 def _bin_edges(values: Array, step: int) -> Array:
-    """Compute the edges of bins by Freedman and Diaconis' rule, counting displacements without overlap."""
+    """Compute the edges of bins by Freedman and Diaconis' rule; every `step`-th of the values is independent."""
     if len(values) < 2 or np.ptp(values) <= 1e-9 * np.abs(values).max():
         return np.zeros(0)  # equal up to rounding: there is no density
     low, high = np.quantile(values, [0.25, 0.75])
@@ -308,12 +319,12 @@ def _bin_edges(values: Array, step: int) -> Array:
     return np.linspace(values.min(), values.max(), min(max(count, 5), 200) + 1)
 
 
-def _jackknife(replicates: Sequence[Array]) -> Array:
+def _jackknife_error(replicates: Sequence[Array]) -> Array:
     return statistics.jackknife_error(np.stack(replicates))
 
 
 def _local_exponents(lags: Whole, values: Array) -> Array:
-    """Compute d ln(value) / d ln(lag) from parabolas through lags half an octave and more apart.
+    """Compute d ln(value) / d ln(lag) at each lag, from parabolas through lags half an octave and more apart.
 
     Closer lags would show noise. NaN if there is no such lag on both sides, or no value > 0.
     """
@@ -329,37 +340,50 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
     return exponents
 
 
-def _jackknife_curve(at: Whole, values: Sequence[Array], length: float) -> Curve:
-    """Return the curve of the first values, with the jackknife error of the others."""
-    resolved = at <= int(length) // 2
-    return Curve(at.astype(float), values[0], np.where(resolved, _jackknife(values[1:]), np.nan))
+def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Curve:
+    """Return a curve over lags: `values` of all samples, with errors from those without each sample.
+
+    Errors are NaN beyond half the `length` of a sample; lags and `length` are in samples.
+    """
+    resolved = lags <= int(length) // 2
+    return Curve(lags.astype(float), values[0], np.where(resolved, _jackknife_error(values[1:]), np.nan))
 
 
 def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
+    """Return the density (1/mm) in bins with these edges (mm), with jackknife errors.
+
+    `counts`: those of all samples, then without each one.
+    """
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
     densities = [count / (max(count.sum(), 1.0) * np.diff(edges)) for count in counts]
-    error = _jackknife(densities[1:])
+    error = _jackknife_error(densities[1:])
     if not all(count.any() for count in counts):
         error = np.full_like(error, np.nan)
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
 def _speed_means(
-    alone: Sequence[WalkerMeans], together: WalkerComparison | None, frame: Frame
+    walkers: Sequence[WalkerMeans], comparison: WalkerComparison | None, frame: Frame
 ) -> Mapping[str, Quantity]:
-    """Return the means over few walkers, or over the track of a lone one."""
-    if together is not None:
-        return together.means
-    means = max(alone, key=lambda walker: walker.seconds).means
+    """Return the mean speeds and turning over walkers that were compared, or those of the longest track.
+
+    `comparison`: None if they could not be compared.
+    """
+    if comparison is not None:
+        return comparison.means
+    means = max(walkers, key=lambda walker: walker.seconds).means
     longest = {name: mean if mean.known else mean._replace(value=None) for name, mean in means.items()}
     # Without headings the fit of all products is sharper than the first one.
     return longest if frame.lane or frame.headed else {"lane_speed": longest["lane_speed"]}
 
 
-def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
-    """Estimate the mean speed of many walkers from its root mean square, which is larger if they differ."""
-    speed = judged["speed"]
+def _mean_of_roots(estimates: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
+    """Estimate the mean speed of walkers from its root mean square; {} if that is impossible.
+
+    `scatter`: standard deviation of their speeds.
+    """
+    speed = estimates["speed"]
     if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
         return {}
     speed = speed._replace(value=math.sqrt(speed.value**2 - scatter.value**2))
@@ -367,6 +391,7 @@ def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping
 
 
 def _misfit_doubts(fit: DisplacementFit | None) -> list[str]:
+    """Return the doubt about a fit whose law does not hold; [] without one."""
     if fit is None or not fit.p_value < MISFIT_P_VALUE:
         return []
     return [
@@ -375,10 +400,11 @@ def _misfit_doubts(fit: DisplacementFit | None) -> list[str]:
     ]
 
 
-def _scatter_doubts(judged: Mapping[str, Quantity], descent: float | None) -> list[str]:
+def _scatter_doubts(estimates: Mapping[str, Quantity], descent: float | None) -> list[str]:
+    """Return the doubt about numbers of walkers on a slope, or of walkers that turn unequally."""
     if descent is not None:
         return ["a slope turns and drives walkers: persistence, diffusivity and crossover are those on it"]
-    if judged["turning_scatter"].value is None:
+    if estimates["turning_scatter"].value is None:
         return []
     return [
         "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
@@ -387,8 +413,12 @@ def _scatter_doubts(judged: Mapping[str, Quantity], descent: float | None) -> li
 
 
 def _describe_method(
-    frame: Frame, in_pieces: bool, together: WalkerComparison | None, samples: int, length_s: float
+    frame: Frame, in_pieces: bool, comparison: WalkerComparison | None, samples: int, length_s: float
 ) -> str:
+    """Describe what `speed` means and where the errors come from.
+
+    `in_pieces`: whether samples are pieces of tracks, of `length_s` s, not particles.
+    """
     if frame.lane:
         speed = "along the lane"
     elif frame.headed:
@@ -397,13 +427,13 @@ def _describe_method(
         speed = "along the direction of motion, root mean square of what persists for the lag"
     if not in_pieces:
         method = f"speed {speed}; errors from {samples} independent samples of particles"
-        return f"{method}; of the mean speed, {together.limit}" if together else method
+        return f"{method}; of the mean speed, {comparison.limit}" if comparison else method
     pieces = f"{samples} pieces of " + ("equal times of free motion" if frame.walls else f"{length_s:.3g} s")
-    if together is None:
+    if comparison is None:
         return f"speed {speed}; errors from {pieces}, which do not tell how walkers differ"
-    walkers = together.walkers
+    walkers = comparison.walkers
     return (
         f"speed {speed}; errors of speeds and turning bias over {walkers} walkers, by Student's t "
         f"with {walkers - 1} degrees of freedom; of other numbers from {pieces}, or over walkers "
-        f"where they differ by more; of the mean speed, {together.limit}"
+        f"where they differ by more; of the mean speed, {comparison.limit}"
     )

@@ -84,7 +84,7 @@ def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Qua
     """Estimate the standard deviation between walkers, without the part that errors of their values cause.
 
     `values`, shape (n,) with n >= 2, have errors of mean variance `noise`, known with `inside` degrees of freedom. They
-    are assumed to be normally distributed between walkers. Refused with an upper bound if walkers may be equal.
+    are assumed to be normally distributed. Refused with an upper bound if walkers may be equal.
     """
     free = len(values) - 1
     total = float(values.var(ddof=1))
@@ -111,8 +111,8 @@ def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Qua
 def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
     """Compute the numbers of every single walker.
 
-    `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
-    each one's turn (rad) a sample.
+    `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns` the mean turn (rad)
+    in a sample, by particle.
     """
     alone = []
     for track in tracks.tracks:
@@ -125,6 +125,10 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
 
 
 def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
+    """Return the steps of one track whose means are its speeds and turning rate, by name of these.
+
+    `shortened`: share of a speed that displacements show; `turn`: mean turn in a sample, rad.
+    """
     step, interval = frame.grid.step, frame.interval
     place = moments.complex_position(track)
     seen = np.flatnonzero(~np.isnan(place))
@@ -158,14 +162,14 @@ def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) ->
 
 
 def _nanmean(values: Complex) -> Complex:
-    """Return the mean of the known rows; NaN without any."""
+    """Return the mean over the first axis, without NaN; NaN if all are."""
     present = ~np.isnan(values)
     mean = np.where(present, values, 0.0).sum(axis=0) / np.maximum(present.sum(axis=0), 1)
     return np.where(present.any(axis=0), mean, np.nan)
 
 
 def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
-    """Return the mean of a series with its error, by pieces or by its correlation time. It may be refused."""
+    """Return the mean of a series with its error, from pieces or its correlation time, or the reason why not."""
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], TRACK_PIECES + 1).astype(int)[:-1]
@@ -192,7 +196,8 @@ def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
 def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
     """Return the reason why products of displacements give no speed; '' if they do.
 
-    The modulus of a mean that is all noise would be a speed above 0.
+    `sums`, shape (pieces, 2): sums of the products and their numbers. `unit` times the root of a mean product is a
+    speed. The modulus of a mean that is all noise would be a speed above 0.
     """
     if len(sums) < 2:
         return "too short a track: film for longer"
@@ -205,33 +210,32 @@ def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
     return f"no lasting direction is resolved: slower than {most:.2g} mm/s (95 %)"
 
 
-def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[float, str] | None:
-    """Return the error of the mean of blocks of `block` s that are correlated over much of `lasting` s.
+def _error_if_correlated(blocks: Array, block_s: float, piece_s: float) -> tuple[float, str] | None:
+    """Return the error of the mean of blocks of `block_s` s, or the reason why there is none (else '').
 
-    Their own correlation time then gives the number of independent samples, or shows that they are
-    too few. None where pieces of `lasting` s are independent, and where blocks are empty: products
-    over a lag do not depend on the direction at its start.
+    None if pieces of `piece_s` s are independent, or without blocks. Otherwise the correlation time of the blocks gives
+    their number of independent samples.
     """
     if not len(blocks):
         return None
-    values, fewest = blocks[~np.isnan(blocks)], statistics.MIN_SERIES_LENGTH
-    if len(values) < fewest:
-        return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
-    time = statistics.correlation_time([values], block)
+    values, least = blocks[~np.isnan(blocks)], statistics.MIN_SERIES_LENGTH
+    if len(values) < least:
+        return math.nan, f"no track lasts {least * block_s:.2g} s: film for longer"
+    time = statistics.correlation_time([values], block_s)
     if time is None:
         return math.nan, "changes too slowly for tracks so short: film for longer"
-    if lasting >= MIN_CORRELATION_TIMES * time:
+    if piece_s >= MIN_CORRELATION_TIMES * time:
         return None
-    error = statistics.error_of_mean([values], block, time)
+    error = statistics.error_of_mean([values], block_s, time)
     if error is None:
-        total = len(values) * block
+        total = len(values) * block_s
         reason = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
         return math.nan, reason
     return error, ""
 
 
 def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
-    """Return the means and spread of the walkers that were seen for long enough.
+    """Return the means and the scatter over walkers that were seen for long enough.
 
     None for fewer than two, or if one of them has no speed.
     """
@@ -258,7 +262,7 @@ def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
 
 
 def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
-    """Add to the means the error of `shortened`, which is common to all walkers."""
+    """Add the relative error of `shortened`, which all walkers share, to the errors of mean speeds."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
         name: mean._replace(se=math.hypot(mean.se, relative * mean.value))
@@ -269,7 +273,10 @@ def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict
 
 
 def _limiting_error(scatter: Quantity, noise: float) -> str:
-    """Describe which of the two errors limits a mean."""
+    """Describe whether differences between walkers or errors within tracks limit the mean.
+
+    `scatter`: standard deviation between walkers; `noise`: mean squared error within a track.
+    """
     if scatter.value is None:
         return "walkers are alike within the errors of their tracks, which limit: film for longer"
     if scatter.value**2 > noise:

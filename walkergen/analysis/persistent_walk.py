@@ -29,10 +29,10 @@ def velocity_correlation(lag: Array, amplitude: float, rate: float, turn: float,
 
 
 def delayed_lag(lag: Array, memory: float) -> Array:
-    """Return lags (s), shortened by the correlation time `memory` > 0 (s) of a rate of turning.
+    """Return lags (s), shortened because rates of turning last for the correlation time `memory` > 0 (s).
 
-    A rate of turning with an exponential correlation of this time, as of a body with moment of
-    inertia in a viscous medium, loses direction as exp(-rate late) (Uhlenbeck and Ornstein 1930).
+    With an exponential correlation of this time, as of a body with moment of inertia in a viscous medium, direction is
+    lost as exp(-rate times this) (Uhlenbeck and Ornstein 1930).
     """
     result: Array = lag + memory * np.expm1(-lag / memory)
     return result
@@ -81,7 +81,10 @@ def squared_displacement(lag: Array, spread: Spread) -> Array:
 
 
 def run_squared_displacement(lag: Array, rate: float, turn: float) -> Array:
-    """Return the mean squared displacement (s^2) at lags (s) of a run of unit speed."""
+    """Return the mean squared displacement (s^2) at lags (s) of a run of unit speed.
+
+    It loses direction at `rate` (1/s) and turns at `turn` (rad/s).
+    """
     z = complex(rate, -turn) * lag
     small = np.abs(z) < 1e-3
     safe = np.where(small, 1.0, z)
@@ -98,14 +101,15 @@ def fit(
     start: Sequence[float],
     lowest: Sequence[float] | float = -math.inf,
 ) -> Array | None:
-    """Fit model(lag, *parameters) by weighted least squares; None when no parameters fit.
+    """Fit model(lag, *parameters) to values with errors by weighted least squares; None when no parameters fit.
 
-    `values` and the model may be complex, with the same error for both parts. No parameter falls
-    below its `lowest` value.
+    `values` and the model may be complex, with the same error for both parts. `start` and `lowest` are first values and
+    lower bounds of the parameters.
     """
     from scipy.optimize import least_squares
 
     def residuals(parameters: Array) -> Array:
+        """Return the residuals over their errors; real parts, then imaginary parts if complex."""
         difference = (model(lag, *parameters) - values) / errors
         if np.iscomplexobj(difference):
             return np.concatenate([difference.real, difference.imag])

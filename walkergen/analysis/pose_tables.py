@@ -46,7 +46,7 @@ class Part(NamedTuple):
 
 
 def read_deeplabcut(path: Path) -> Source:
-    """Read DeepLabCut's table. Its names take three lines, or four with individuals.
+    """Read DeepLabCut's table. Names take three lines, or four with individuals.
 
     A row is a frame, or a picture whose name contains the frame.
     """
@@ -75,7 +75,7 @@ def read_deeplabcut(path: Path) -> Source:
         x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
         if x is None or y is None:
             raise InputError(f"{path}: the part {safe_text.shorten_line(part)[:30]} has no x and y")
-        owned.setdefault(person, {})[part] = _likely_part(x, y, likelihood)
+        owned.setdefault(person, {})[part] = _mask_unlikely(x, y, likelihood)
     if len(owned) > 1:
         owned.pop("single", None)  # parts of no individual, as corners of a box
     said = ("frames are numbered by the names of pictures",) if pictures else ()
@@ -86,18 +86,22 @@ def from_bodies(
     table: Columns,
     clock: str,
     times: Array,
-    owned: Mapping[str, Mapping[str, Part]],
+    bodies: Mapping[str, Mapping[str, Part]],
     named: Mapping[str, NamedColumn],
     program: str,
-    said: tuple[str, ...] = (),
+    notes: tuple[str, ...] = (),
 ) -> Source:
-    """Yield the rows of all bodies in a frame, each with its parts by name; bodies without a name are only numbered."""
-    placed = [_body_pose(own) for own in owned.values()]
+    """Return one row for each body in each frame, from the parts of each body by name.
+
+    `clock` is the column (frame or time) of `times`; `named` has names and units of columns. `bodies` with empty names
+    are only numbered.
+    """
+    placed = [_body_pose(parts) for parts in bodies.values()]
     heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
     walkers = [places if heads else places[:2] for places, _ in placed]
     long = track_columns.to_long_table(table, clock, times, walkers, range(len(walkers)))
-    told = (placed[0][1], *said, *track_columns.format_labels([person for person in owned if person]))
-    return Source(long, named, program, True, said=told)
+    all_notes = (placed[0][1], *notes, *track_columns.format_labels([person for person in bodies if person]))
+    return Source(long, named, program, True, said=all_notes)
 
 
 def read_sleap(path: Path, names: list[str]) -> Source:
@@ -124,15 +128,15 @@ def read_sleap(path: Path, names: list[str]) -> Source:
     return Source(table, PIXEL_COLUMNS, "SLEAP", True, said=(said, *track_columns.format_labels(labels)))
 
 
-def check_table_kind(path: Path, names: Sequence[str]) -> None:
+def check_table_kind(path: Path, headers: Sequence[str]) -> None:
     """Raise InputError for tables of sleap-io that are not the analysis table: rows of parts, or of whole frames."""
-    if "node" in names or any(name.startswith("inst0.") for name in names):
-        what = "a part of a walker" if "node" in names else "all walkers of a frame"
+    if "node" in headers or any(name.startswith("inst0.") for name in headers):
+        what = "a part of a walker" if "node" in headers else "all walkers of a frame"
         raise InputError(f"{path}: has a row for {what}; give SLEAP's analysis CSV, which has one for a walker")
 
 
-def _likely_part(x: Array, y: Array, likelihood: Array | None) -> Part:
-    """Return the part of a body if its likelihood is large enough."""
+def _mask_unlikely(x: Array, y: Array, likelihood: Array | None) -> Part:
+    """Return a part, with NaN where its likelihood is too small."""
     if likelihood is not None:
         unsure = likelihood < MIN_LIKELIHOOD
         x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
@@ -140,7 +144,7 @@ def _likely_part(x: Array, y: Array, likelihood: Array | None) -> Part:
 
 
 def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
-    """Return a body's place by its parts; its heading, if names state its ends; and a text on the parts used."""
+    """Return x, y and, if two parts are its ends, heading (rad) of a body; and a note on the parts used."""
     ends = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
     middle, front, back = (found[0] if found else "" for found in ends)
     if middle or len(parts) == 1:

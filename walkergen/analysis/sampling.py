@@ -34,9 +34,9 @@ MAX_ROUNDING_SHARE = 0.25
 
 
 def from_times(path: Path, table: Columns, name: str) -> Tracks:
-    """Build tracks of rows with a column `time`, s, called `name` in the file.
+    """Build tracks of rows with a column `time`, s, called `name` in the file `path`.
 
-    Places x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
+    x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
     """
     interval, ticks, off = _sample_ticks(path, table, name)
     note = ""
@@ -48,39 +48,38 @@ def from_times(path: Path, table: Columns, name: str) -> Tracks:
             f"{path}: {name} on line {table.lines[off][0]} lies off the regular times of the "
             f"other rows, {interval:g} s apart; sample at a fixed rate"
         )
-    tracks = _assemble(path, table, np.rint(ticks), interval)
+    tracks = _build_tracks(path, table, np.rint(ticks), interval)
     return tracks._replace(note="; ".join(line for line in (note, tracks.note) if line))
 
 
 def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
-    """Build tracks of rows with a column `frame`, at a rate of `fps`. Raises InputError."""
+    """Build tracks of rows with a column `frame`, at `fps` frames per second. Raises InputError."""
     frames = table.values["frame"]
     table = table.reject_rows(frames != np.rint(frames), "frame is not a whole number")
     if not len(table.lines):
         raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(table.bad)}")
     frames = table.values["frame"]
-    return _assemble(path, table, frames - frames.min(), 1.0 / fps)
+    return _build_tracks(path, table, frames - frames.min(), 1.0 / fps)
 
 
 def _resample_regularly(table: Columns) -> tuple[Columns, str]:
-    """Return the rows at whole multiples of the usual time between frames, and what was done as text.
+    """Interpolate the rows to whole multiples of the median time between frames; return them and a note.
 
-    Between neighbouring frames places, and headings, change in proportion to time; nothing is made
-    up where a frame is missing. A place between two frames has down to half the variance of its noise.
+    Nothing is made up where a frame is missing. A place between two frames has down to half the variance of its noise.
     """
     order = np.lexsort((table.values["time"], table.values["particle"]))
     table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
     steps, near = _row_steps(table)
     if not near.any():
         return table, ""
-    usual = float(np.median(steps[near]))
-    near &= steps <= MAX_STEP_RATIO * usual
+    interval = float(np.median(steps[near]))
+    near &= steps <= MAX_STEP_RATIO * interval
     at = table.values["time"]
-    first, last = np.ceil(at[:-1] / usual), np.ceil(at[1:] / usual)  # the last belongs to the next
+    first, last = np.ceil(at[:-1] / interval), np.ceil(at[1:] / interval)  # the last belongs to the next
     counts = np.where(near, last - first, 0.0).astype(np.int64)
     rows = np.repeat(np.arange(len(counts)), counts)
-    places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-    regular_times = np.asarray(usual * (first[rows] + places), dtype=float)
+    offsets = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+    regular_times = np.asarray(interval * (first[rows] + offsets), dtype=float)
     share = (regular_times - at[rows]) / steps[rows]
     values: dict[str, Array] = {"time": regular_times}
     for name in table.values.keys() - {"time"}:
@@ -93,22 +92,22 @@ def _resample_regularly(table: Columns) -> tuple[Columns, str]:
     low, high = (1e3 * float(end(steps[near])) for end in (np.min, np.max))
     note = (
         f"the film's rate varies, {low:.3g} to {high:.3g} ms from frame to frame: places are taken "
-        f"between its frames, every {1e3 * usual:.3g} ms"
+        f"between its frames, every {1e3 * interval:.3g} ms"
     )
     return Columns(values, table.lines[rows], table.bad), note
 
 
 def _row_steps(table: Columns) -> tuple[Array, Mask]:
-    """Return the times from row to row, and where both rows are of one particle in neighbouring frames."""
+    """Return the times from row to row (s), and which of them join neighbouring frames of one particle."""
     steps = np.diff(table.values["time"])
     near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
     return steps, near & (steps > 0)
 
 
 def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, Mask]:
-    """Return the time between samples, s, the rows' times in it, from 0 on, and which rows are off the grid."""
+    """Return the time between samples (s), the rows' times in units of it from 0 on, and which are off the grid."""
     times = table.values["time"]
-    rounding = _rounding(times)
+    rounding = _rounding_step(times)
     interval = _sample_interval(path, times, _particle_numbers(table), rounding)
     ticks = (times - times.min()) / interval
     if ticks.max() > MAX_TICKS:
@@ -119,8 +118,8 @@ def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, 
     return interval, ticks, np.abs(ticks - np.rint(ticks)) > max(GRID_TOLERANCE, rounding / interval)
 
 
-def _rounding(times: Array) -> float:
-    """Return the step, s, of rounded times: a power of ten; 0 if they have more digits."""
+def _rounding_step(times: Array) -> float:
+    """Return the step (s, a power of ten) to which all times are rounded; 0 if they have more digits."""
     for step in ROUNDING_STEPS_S:
         if (np.abs(times / step - np.rint(times / step)) < ROUNDING_TOLERANCE).all():
             return step
@@ -128,7 +127,10 @@ def _rounding(times: Array) -> float:
 
 
 def _sample_interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
-    """Return the time between samples, s: the commonest step of a particle."""
+    """Return the time between samples, s: the commonest step of a particle.
+
+    `particle`: number of each row's particle. `rounding`: step of rounded times, s.
+    """
     order = np.lexsort((times, particle))
     same = np.diff(particle[order]) == 0
     steps = np.diff(times[order])[same]
@@ -150,35 +152,38 @@ def _particle_numbers(table: Columns) -> Array:
     return table.values.get("particle", np.zeros(len(table.lines)))
 
 
-def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
-    """Sort rows into tracks, on the coarsest grid of times that holds all of their steps."""
+def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> Tracks:
+    """Sort rows into tracks, on the coarsest grid of times that holds all of their ticks.
+
+    `ticks`: whole number of intervals (s) of each row, from 0 on.
+    """
     position = np.stack([table.values[axis] for axis in ("x", "y") if axis in table.values], axis=1)
     heading = table.values.get("theta")
     if heading is not None and np.isnan(heading).all():
         heading = None
     particle = _particle_numbers(table)
-    plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
-    order = np.lexsort((steps, particle))
-    twice = np.zeros(len(steps), dtype=bool)
-    twice[order[1:]] = (np.diff(particle[order]) == 0) & (np.diff(steps[order]) == 0)
+    plate = table.values.get("plate_speed_mm_s", np.full(len(ticks), np.nan))
+    order = np.lexsort((ticks, particle))
+    repeated = np.zeros(len(ticks), dtype=bool)
+    repeated[order[1:]] = (np.diff(particle[order]) == 0) & (np.diff(ticks[order]) == 0)
     unnumbered = particle != np.rint(particle)  # NaN as well
-    if twice.any() and "particle" not in table.values:
+    if repeated.any() and "particle" not in table.values:
         raise InputError(
-            f"{path}: line {table.lines[twice][0]} repeats a frame and there is no column "
+            f"{path}: line {table.lines[repeated][0]} repeats a frame and there is no column "
             "particle; link the positions first (trackpy.link)"
         )
-    bad = table.reject_rows(twice, "its particle has been seen at this time before").bad
+    bad = table.reject_rows(repeated, "its particle has been seen at this time before").bad
     bad |= table.reject_rows(unnumbered, "particle is not a whole number").bad
-    order = order[~(twice | unnumbered)[order]]
+    order = order[~(repeated | unnumbered)[order]]
     if not len(order):
         raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(bad)}")
     names, starts = np.unique(particle[order], return_index=True)
     if len(names) > MAX_PARTICLES:
         raise InputError(f"{path}: {len(names)} particles; at most {MAX_PARTICLES}: leave out short tracks")
     groups = np.split(order, starts[1:])
-    stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
+    stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(ticks[g]).astype(np.int64)) for g in groups]))
     stride = max(stride, 1)
-    total = sum(int(steps[g[-1]] - steps[g[0]]) // stride + 1 for g in groups)
+    total = sum(int(ticks[g[-1]] - ticks[g[0]]) // stride + 1 for g in groups)
     if total > MAX_FRAMES:
         raise InputError(
             f"{path}: the particles' first and last times are {total} steps apart in all, with "
@@ -186,29 +191,33 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
         )
     tracks = tuple(
         _build_track(
-            path, int(name), group, (steps[group] - steps[group[0]]) // stride, position, heading, plate
-        )._replace(start=int(steps[group[0]] // stride))
+            path, int(name), group, (ticks[group] - ticks[group[0]]) // stride, position, heading, plate
+        )._replace(start=int(ticks[group[0]] // stride))
         for name, group in zip(names, groups, strict=True)
     )
-    return Tracks(tracks, stride * tick, len(bad), columns.describe_bad_rows(bad))
+    return Tracks(tracks, stride * interval, len(bad), columns.describe_bad_rows(bad))
 
 
 def _build_track(
-    path: Path, name: int, rows: Whole, places: Array, position: Array, heading: Array | None, plate: Array
+    path: Path, particle: int, rows: Whole, samples: Array, position: Array, heading: Array | None, plate_speeds: Array
 ) -> Track:
-    at = places.astype(np.int64)
-    grid = np.full((int(at[-1]) + 1, position.shape[1]), np.nan)
-    grid[at] = position[rows]
+    """Build the track of one particle from its rows, at these samples of it; NaN at others.
+
+    `position` (mm), `heading` (rad) and `plate_speeds` (mm/s) are of all rows of the file.
+    """
+    index = samples.astype(np.int64)
+    grid = np.full((int(index[-1]) + 1, position.shape[1]), np.nan)
+    grid[index] = position[rows]
     angles = None
     if heading is not None:
         angles = np.full(len(grid), np.nan)
-        angles[at] = heading[rows]
-    speeds = np.unique(plate[rows][~np.isnan(plate[rows])])
+        angles[index] = heading[rows]
+    speeds = np.unique(plate_speeds[rows][~np.isnan(plate_speeds[rows])])
     if len(speeds) > 1:
         raise InputError(
-            f"{path}: particle {name} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
+            f"{path}: particle {particle} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
             "give it a new number for each"
         )
     if len(speeds) and speeds[0] < 0:
         raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")
-    return Track(name, grid, angles, float(speeds[0]) if len(speeds) else None)
+    return Track(particle, grid, angles, float(speeds[0]) if len(speeds) else None)

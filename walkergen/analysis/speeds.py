@@ -53,8 +53,8 @@ class Measured(NamedTuple):
 def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """Read columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
 
-    A row may name tracks in place of a speed, see `filmed`. `kind` and `plate_speed` (mm/s) stand
-    in where the file has none. Raises InputError.
+    A row may name a file of tracks instead of a speed. `kind` of the legs and `plate_speed` (mm/s) are used
+    where the file has none. Raises InputError.
     """
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     of_films: tuple[str, ...] = ()
@@ -69,7 +69,7 @@ def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
     if len(table.lines) > MAX_SPEEDS:
         raise InputError(f"{path}: {len(table.lines)} speeds; at most {MAX_SPEEDS}: is it a film?")
     for name in optional:
-        _check_sizes(path, table, name)
+        _check_positive(path, table, name)
     for name, most in MAX_VALUES.items():
         if name in table.values:
             beyond = np.abs(table.values[name]) > most
@@ -94,36 +94,36 @@ def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
     )
 
 
-def _check_sizes(path: Path, table: columns.Columns, name: str) -> None:
-    """Raise InputError for the first number of a column that is 0 or below."""
-    if name in table.values and (wrong := table.values[name] < MIN_VALUE_MM_S).any():
-        first = int(np.argmax(wrong))
+def _check_positive(path: Path, table: columns.Columns, name: str) -> None:
+    """Raise InputError for the first number of a column that is 0 or below; NaN is allowed."""
+    if name in table.values and (too_small := table.values[name] < MIN_VALUE_MM_S).any():
+        first = int(np.argmax(too_small))
         raise InputError(
             f"{path}:{table.lines[first]}: {name} = {table.values[name][first]:g}: must be >= "
             f"{MIN_VALUE_MM_S:g}: write it in mm/s, or leave the column blank where it is not known"
         )
 
 
-def check_units(path: Path, seen: Measured) -> None:
-    """Raise InputError for speeds of another unit or the other sign, by walkers of flexible legs.
+def check_units(path: Path, measured: Measured) -> None:
+    """Raise InputError if speeds seem to be in another unit, or to have the wrong sign.
 
-    Walkers run the way their legs lean: where none of a file does, its axis points the other way.
+    Walkers on flexible legs run the way these lean.
     """
-    leaning = np.array([kind == "flexible" for kind in seen.legs]) & (seen.tilt != 0.0)
+    leaning = np.array([kind == "flexible" for kind in measured.legs]) & (measured.tilt != 0.0)
     if not leaning.any():
         return
-    ahead = (np.sign(seen.tilt) * seen.speed)[leaning]
-    error = np.zeros_like(ahead) if seen.se is None else seen.se[leaning]
-    if (ahead < -2.0 * error).any() and not (ahead > 2.0 * error).any():
+    forward_speed = (np.sign(measured.tilt) * measured.speed)[leaning]
+    error = np.zeros_like(forward_speed) if measured.se is None else measured.se[leaning]
+    if (forward_speed < -2.0 * error).any() and not (forward_speed > 2.0 * error).any():
         raise InputError(
             f"{path}: speed_mm_s is negative wherever it differs from 0: walkers run the way their "
             "legs lean: is the film mirrored, or does x count the other way? Turn the sign"
         )
-    ratio = float(np.max(np.abs(ahead) / seen.plate_speed[leaning]))
+    ratio = float(np.max(np.abs(forward_speed) / measured.plate_speed[leaning]))
     if not MIN_SPEED_RATIO <= ratio <= MAX_SPEED_RATIO:
         unit = "m/s" if ratio < MIN_SPEED_RATIO else "µm/s or pixels"
         raise InputError(
-            f"{path}: speed_mm_s is at most {np.abs(ahead).max():.3g}, or {ratio:.2g} times the "
+            f"{path}: speed_mm_s is at most {np.abs(forward_speed).max():.3g}, or {ratio:.2g} times the "
             f"plate's peak speed: must be {MIN_SPEED_RATIO:g} to {MAX_SPEED_RATIO:g} times: is it in {unit} "
             "instead of mm/s?"
         )

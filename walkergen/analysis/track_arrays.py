@@ -66,7 +66,10 @@ class ArrayFile(NamedTuple):
 
 
 def read_arrays(path: Path, lane: bool) -> Source | None:
-    """Read the rows of a file of arrays; None for a file of text, or of columns (`npz_lines`). Raises InputError."""
+    """Read the rows of a NetCDF or HDF5 file; None for a file of text, or of columns (`npz_lines`).
+
+    In a `lane` y may be ignored. Raises InputError.
+    """
     begin = file_reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):
@@ -84,7 +87,7 @@ def read_arrays(path: Path, lane: bool) -> Source | None:
 
 
 def npz_lines(path: Path) -> Iterator[str] | None:
-    """Return an NPZ archive's columns as lines of a CSV file; None for another file. Raises InputError.
+    """Return the columns of an NPZ archive as lines of a CSV file; None for another file. Raises InputError.
 
     Columns are the arrays as long as that of frames or times; TRex names those of places without their unit.
     """
@@ -93,17 +96,19 @@ def npz_lines(path: Path) -> Iterator[str] | None:
     with file_reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
         if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
             raise InputError(f"{path}: more than {MAX_BYTES} bytes when unpacked; is it the right file?")
-        with np.load(path, allow_pickle=False) as held:
-            values = {name: np.asarray(held[name]) for name in held.files}
-    clock = next((name for name in ("frame", "time", "t_s") if name in values), None)
-    if clock is None:
+        with np.load(path, allow_pickle=False) as archive_arrays:
+            values = {name: np.asarray(archive_arrays[name]) for name in archive_arrays.files}
+    time_name = next((name for name in ("frame", "time", "t_s") if name in values), None)
+    if time_name is None:
         raise InputError(
             f"{path}: no array frame, time or t_s; arrays seen: {safe_text.shorten_line(', '.join(values))[:80]}"
         )
-    kept = {name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[clock])}
+    columns_found = {
+        name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[time_name])
+    }
     trex = "cm_per_pixel" in values
-    names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in kept)
-    rows = zip(*(array.tolist() for array in kept.values()), strict=True)
+    names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in columns_found)
+    rows = zip(*(array.tolist() for array in columns_found.values()), strict=True)
     return chain([",".join(names) + "\n"], (",".join(map(str, row)) + "\n" for row in rows))
 
 
@@ -140,18 +145,19 @@ def _read_netcdf(path: Path) -> ArrayFile:
 
 
 def _decode_texts(data: npt.NDArray[Any]) -> list[str]:
-    """Return the texts of an array: each as one value, or as letters in a row."""
+    """Return the texts of an array of bytes or objects: each as one value, or as letters in a row."""
     rows = data.reshape(len(data), -1).tolist()
     whole = (row[0] if len(row) == 1 else b"".join(row) for row in rows)
     return [text.rstrip(b"\0").decode() if isinstance(text, bytes) else str(text) for text in whole]
 
 
 def _decode_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """Return attributes as text."""
     return {name: value.decode() if isinstance(value, bytes) else str(value) for name, value in attributes.items()}
 
 
 def _read_hdf5(path: Path, lane: bool) -> Source:
-    """Read the rows of an HDF5 file of a known layout."""
+    """Read the rows of an HDF5 file of a known layout. In a `lane` y may be ignored."""
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -162,16 +168,18 @@ def _read_hdf5(path: Path, lane: bool) -> Source:
             return _from_sleap(_read_datasets(path, file, {"tracks", "node_names", "track_names"}))
         if "trajectories" in names and "frames_per_second" in file.attrs:
             return _from_idtracker(_read_datasets(path, file, {"trajectories"}), float(file.attrs["frames_per_second"]))
-        told = "is an HDF5 file of a layout that is not read"
+        problem = "is an HDF5 file of a layout that is not read"
         if {"frames", "instances"} <= names:
-            told = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
+            problem = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
         elif any("pandas_type" in file[name].attrs for name in names):
-            told = "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
-        raise InputError(f"{path}: {told}; it holds {safe_text.shorten_line(', '.join(sorted(names)))[:60]}")
+            problem = (
+                "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
+            )
+        raise InputError(f"{path}: {problem}; it holds {safe_text.shorten_line(', '.join(sorted(names)))[:60]}")
 
 
 def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
-    """Return the contents of datasets of an HDF5 file."""
+    """Return the contents of the named data sets of an open HDF5 `file`; `path` is for messages."""
     values, dimensions, words = {}, {}, {}
     attributes = {"": _decode_attributes(dict(file.attrs))}
     for name in names:
@@ -194,99 +202,114 @@ def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
 
 
 def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
-    """Return the names of a dataset's dimensions, by NetCDF's references to their scales, or by words of sleap-io."""
+    """Return the names of the dimensions of a data set: NetCDF's scales, or the text of sleap-io."""
     if "DIMENSION_LIST" in data.attrs:  # h5py's own walk along the scales does not end in a damaged file
         return tuple(file[scales[0]].name.rpartition("/")[2] for scales in data.attrs["DIMENSION_LIST"])
     return tuple(json.loads(data.attrs.get("dims", "[]")))
 
 
-def _reorder_dimensions(held: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
-    """Return the array with its dimensions in this order. Missing ones, as of a single walker, have length 1.
+def _reorder_dimensions(contents: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
+    """Return a named array with its dimensions in this order. Missing ones have length 1.
 
     Dimensions had plural names before movement's version 0.17.
     """
-    seen = [dimension.removesuffix("s") for dimension in held.dimensions[name]]
-    if not set(seen) <= set(order):
-        raise ValueError(f"{name} has the dimensions {', '.join(seen)}")
-    array = held.values[name].transpose([seen.index(dimension) for dimension in order if dimension in seen])
-    return np.expand_dims(array, [at for at, dimension in enumerate(order) if dimension not in seen])
+    present = [dimension.removesuffix("s") for dimension in contents.dimensions[name]]
+    if not set(present) <= set(order):
+        raise ValueError(f"{name} has the dimensions {', '.join(present)}")
+    array = contents.values[name].transpose([present.index(dimension) for dimension in order if dimension in present])
+    return np.expand_dims(array, [at for at, dimension in enumerate(order) if dimension not in present])
 
 
-def _from_movement(path: Path, held: ArrayFile, lane: bool) -> Source:
-    """Return the rows of a data set of movement, of poses or of boxes around walkers."""
-    words = {name.removesuffix("s"): texts for name, texts in held.words.items()}
-    if not {"position", "time"} <= set(held.values) or not {"x", "y"} <= set(words.get("space", ())):
+def _from_movement(path: Path, contents: ArrayFile, lane: bool) -> Source:
+    """Return the rows of a data set of movement, of poses or of boxes around walkers; in a `lane` y may be ignored."""
+    words = {name.removesuffix("s"): texts for name, texts in contents.words.items()}
+    if not {"position", "time"} <= set(contents.values) or not {"x", "y"} <= set(words.get("space", ())):
         raise InputError(f"{path}: no position in x and y with its time, as movement's data sets have")
-    attributes = held.attributes["position"]
+    attributes = contents.attributes["position"]
     if set(PACKING_ATTRIBUTES) & set(attributes):
         raise InputError(f"{path}: position is packed: save it without {' and '.join(PACKING_ATTRIBUTES)}")
-    places = _reorder_dimensions(held, "position", ("individual", "keypoint", "space", "time"))
-    if held.attributes[""].get("source_software") in LIKELIHOOD_PROGRAMS and "confidence" in held.values:
-        sure = _reorder_dimensions(held, "confidence", ("individual", "keypoint", "time"))
-        places = np.where(sure[:, :, None] < pose_tables.MIN_LIKELIHOOD, np.nan, places)
+    places = _reorder_dimensions(contents, "position", ("individual", "keypoint", "space", "time"))
+    if contents.attributes[""].get("source_software") in LIKELIHOOD_PROGRAMS and "confidence" in contents.values:
+        confidence = _reorder_dimensions(contents, "confidence", ("individual", "keypoint", "time"))
+        places = np.where(confidence[:, :, None] < pose_tables.MIN_LIKELIHOOD, np.nan, places)
     x, y = (places[:, :, words["space"].index(axis)] for axis in "xy")
-    people = words.get("individual", [])
+    individuals = words.get("individual", [])
     unit = next((attributes[name] for name in UNIT_ATTRIBUTES if name in attributes), "")
-    source = held.attributes[""]
-    if source.get("source_software", "").startswith(WALKERGEN_PROGRAM) and "heading" in held.values and unit == "mm":
-        return _from_walkergen(held, x[:, 0], y[:, 0], people, lane)
+    source = contents.attributes[""]
+    if (
+        source.get("source_software", "").startswith(WALKERGEN_PROGRAM)
+        and "heading" in contents.values
+        and unit == "mm"
+    ):
+        return _from_walkergen(contents, x[:, 0], y[:, 0], individuals, lane)
     clock, second = ("time", "s") if source.get("time_unit") == "seconds" else ("frame", "")
     named = {axis: NamedColumn("position", track_columns.canonical_unit(unit) if unit else PIXEL) for axis in "xy"}
     named |= {clock: NamedColumn("time", second), "theta": NamedColumn("theta", "rad")}
-    return _from_parts(x, y, words.get("keypoint", []), people, {clock: held.values["time"]}, named, "movement")
+    return _from_parts(
+        x, y, words.get("keypoint", []), individuals, {clock: contents.values["time"]}, named, "movement"
+    )
 
 
 def _from_parts(
     x: Array,
     y: Array,
     parts: Sequence[str],
-    people: Sequence[str],
+    individuals: Sequence[str],
     times: Mapping[str, Array],
     named: Mapping[str, NamedColumn],
     program: str,
 ) -> Source:
-    """Return the rows of walkers whose parts are at x and y, shape (walkers, parts, times); both may have no names."""
+    """Return the rows of walkers whose parts are at x and y, shape (walkers, parts, times).
+
+    `parts` and `individuals` are names, empty without any. `times`: one array, under frame or time; `named`: names and
+    units of columns.
+    """
     ((clock, ticks),) = times.items()
     table = Columns({}, np.arange(1, len(ticks) + 1), {})
     if not parts:
         walkers = list(zip(x[:, 0], y[:, 0], strict=True))
         long = track_columns.to_long_table(table, clock, ticks, walkers, range(len(x)))
-        return Source(long, named, program, True, said=track_columns.format_labels(people))
-    owned = {
-        who: {part: pose_tables.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
-        for n, who in enumerate(people or map(str, range(len(x))))
+        return Source(long, named, program, True, said=track_columns.format_labels(individuals))
+    bodies = {
+        individual: {part: pose_tables.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
+        for n, individual in enumerate(individuals or map(str, range(len(x))))
     }
-    return pose_tables.from_bodies(table, clock, ticks, owned, named, program)
+    return pose_tables.from_bodies(table, clock, ticks, bodies, named, program)
 
 
-def _from_walkergen(held: ArrayFile, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
-    """Return the rows of runs that walkergen simulated; those that never leave y = 0 ran along a lane."""
-    theta = _reorder_dimensions(held, "heading", ("individual", "time"))
+def _from_walkergen(contents: ArrayFile, x: Array, y: Array, individuals: Sequence[str], lane: bool) -> Source:
+    """Return the rows of runs that walkergen simulated; x and y have the shape (walkers, times).
+
+    Runs that never leave y = 0 ran along a lane.
+    """
+    theta = _reorder_dimensions(contents, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
-    runs = [who.rpartition("_")[2] for who in people]
+    runs = [individual.rpartition("_")[2] for individual in individuals]
     named = len(runs) == len(x) and all(map(str.isdigit, runs))
     numbers = [float(run) for run in (runs if named else range(len(x)))]
     walkers = list(zip(x, y, theta, strict=True))
-    long = track_columns.to_long_table(table, "time", held.values["time"], walkers, numbers)
+    long = track_columns.to_long_table(table, "time", contents.values["time"], walkers, numbers)
     if lane or not (np.nan_to_num(y).any() or np.nan_to_num(theta).any()):
         long = long._replace(values={name: long.values[name] for name in ("time", "x", "particle")})
     return Source(long, {"time": NamedColumn("time", "s"), "x": NamedColumn("position", "mm")}, WALKERGEN_PROGRAM)
 
 
-def _from_sleap(held: ArrayFile) -> Source:
+def _from_sleap(contents: ArrayFile) -> Source:
     """Read the rows of SLEAP's analysis file. By default its arrays have the order of its reader in MATLAB."""
-    held = held._replace(dimensions={"tracks": held.dimensions["tracks"] or ("track", "xy", "node", "frame")})
-    x, y = _reorder_dimensions(held, "tracks", ("xy", "track", "node", "frame"))
+    contents = contents._replace(
+        dimensions={"tracks": contents.dimensions["tracks"] or ("track", "xy", "node", "frame")}
+    )
+    x, y = _reorder_dimensions(contents, "tracks", ("xy", "track", "node", "frame"))
     frames = {"frame": np.arange(x.shape[-1], dtype=float)}
     return _from_parts(
-        x, y, held.words["node_names"], held.words["track_names"], frames, pose_tables.PIXEL_COLUMNS, "SLEAP"
+        x, y, contents.words["node_names"], contents.words["track_names"], frames, pose_tables.PIXEL_COLUMNS, "SLEAP"
     )
 
 
-def _from_idtracker(held: ArrayFile, rate: float) -> Source:
-    """Return the rows of idtracker.ai's trajectories, shape (frames, animals, 2)."""
-    x, y = held.values["trajectories"].transpose(2, 1, 0)[:, :, None]
-    times = {"time": np.arange(x.shape[-1]) / rate}
+def _from_idtracker(contents: ArrayFile, fps: float) -> Source:
+    """Return the rows of idtracker.ai's trajectories, shape (frames, animals, 2); `fps`: frames per second."""
+    x, y = contents.values["trajectories"].transpose(2, 1, 0)[:, :, None]
+    times = {"time": np.arange(x.shape[-1]) / fps}
     named = {
         "time": NamedColumn("frames_per_second", "s"),
         **{axis: NamedColumn("trajectories", PIXEL) for axis in "xy"},

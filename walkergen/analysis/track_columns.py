@@ -144,13 +144,13 @@ class Source(NamedTuple):
 
 
 def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
-    """Find the columns of a file by their contents, as far as their names state these.
+    """Find the columns of a file by their names; return them by kind (frame, time, x, ...).
 
-    Raises InputError for two columns of headings, whose units differ.
+    Raises InputError for two columns of headings with different units.
     """
     held: dict[str, list[tuple[int, NamedColumn]]] = {}
     for name in names:
-        for what, rank, unit in _meanings(name):
+        for what, rank, unit in _possible_kinds(name):
             held.setdefault(what, []).append((rank, NamedColumn(name, unit)))
     if len(held.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
         raise InputError("both theta (rad) and theta_deg; keep one")
@@ -160,35 +160,35 @@ def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
     }
 
 
-def _meanings(name: str) -> list[tuple[str, int, str]]:
-    """List the possible meanings of a column's name: its kind, rank among names of that kind, and unit."""
+def _possible_kinds(name: str) -> list[tuple[str, int, str]]:
+    """List what a column may hold by its name: kind, rank of the name among those of the kind, and unit."""
     text = name.strip().lower()
-    marked = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
-    base, unit = marked.groups() if marked else (text, "")
-    base = re.sub(r"[^a-z0-9]+", "_", base).strip("_")
-    if not marked and "_" in base and canonical_unit(base.rpartition("_")[2]):
-        base, _, unit = base.rpartition("_")
-    unit = "s" if base == "seconds" else canonical_unit(unit)
+    with_unit = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
+    word, unit = with_unit.groups() if with_unit else (text, "")
+    word = re.sub(r"[^a-z0-9]+", "_", word).strip("_")
+    if not with_unit and "_" in word and canonical_unit(word.rpartition("_")[2]):
+        word, _, unit = word.rpartition("_")
+    unit = "s" if word == "seconds" else canonical_unit(unit)
     return [
-        (what, known.index(base), unit)
-        for what, known in COLUMN_NAMES.items()
-        if base in known and (not unit or unit in UNITS_BY_COLUMN.get(what, ()))
+        (kind, known.index(word), unit)
+        for kind, known in COLUMN_NAMES.items()
+        if word in known and (not unit or unit in UNITS_BY_COLUMN.get(kind, ()))
     ]
 
 
 def canonical_unit(text: str) -> str:
-    """Return the unit's name in this module; "" for a text that is no unit."""
+    """Return the short name of a unit, such as mm; "" for a text that is no unit."""
     unit = UNIT_SPELLINGS.get(text.strip().lower(), text.strip().lower())
     return unit if unit in (*LENGTH_UNITS_MM, *TIME_UNITS_S, *ANGLE_UNITS_RAD, PIXEL, "frame") else ""
 
 
 def find_separator(line: str) -> str:
-    """Return the mark between the cells of a line; "" for a lone one."""
+    """Return the mark between the cells of a line; "" if there is one cell."""
     return next((mark for mark in ",\t; " if mark in line.strip()), "")
 
 
 def coordinate_pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Return the columns of x and y of each walker by its label, of files with a row for all walkers of a frame.
+    """Return the names of the x and y column of each walker by its label, for rows with all walkers of a frame.
 
     Such columns are called x1 and y1, X_left and Y_left, or left_x and left_y.
     """
@@ -202,20 +202,20 @@ def coordinate_pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
     return {label: (axes["x"], axes["y"]) for label, axes in found.items() if len(axes) == 2}
 
 
-def missing_column_error(path: object, names: Sequence[str], what: str) -> InputError:
-    """Return the error for a file without a column of a kind: which column to rename, and how."""
+def missing_column_error(path: object, names: Sequence[str], kind: str) -> InputError:
+    """Return the error for a file without a column of a kind (x, y or time); `names` are its columns."""
     rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
     seen = safe_text.shorten_line(", ".join(name for name in names if name))
-    more = "" if len(seen) < MAX_SHOWN_LETTERS else " ..."
+    dots = "" if len(seen) < MAX_SHOWN_LETTERS else " ..."
     return InputError(
-        f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: "
-        f"{seen[:MAX_SHOWN_LETTERS]}{more}); "
+        f"{path}: no column {kind!r}; rename the one that holds it to {rename[kind]} (seen: "
+        f"{seen[:MAX_SHOWN_LETTERS]}{dots}); "
         "walkergen analyse --help lists the formats"
     )
 
 
 def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
-    """Return the note on the new numbers of walkers with labels."""
+    """Return the note on the numbers that walkers with labels get; () without labels."""
     if not labels:
         return ()
     some = ", ".join(
@@ -227,9 +227,10 @@ def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
 def to_long_table(
     table: Columns, clock: str, times: Array, walkers: Sequence[tuple[Array, ...]], numbers: Sequence[float]
 ) -> Columns:
-    """Return the rows of a walker in a frame, from rows of all walkers in a frame: x, y and, if known, theta of each.
+    """Return a table with a row for each walker in each frame, from one with a row for each frame.
 
-    `clock` is the kind of the times, frame or time; heads are known of all walkers or of none.
+    `walkers`: arrays x, y and, for all or none, theta of each; `numbers` name them. `clock` (frame or time) is the
+    column of `times`.
     """
     parts: dict[str, list[Array]] = {clock: [], "particle": [], "x": [], "y": [], "theta": []}
     lines = []

@@ -100,7 +100,7 @@ def read_tracks(path: Path, units: Units) -> Tracks:
 
 
 def _parse_units(text: str) -> _Given:
-    """Parse the units of a text. Raises InputError for an unknown unit, and for two of a kind."""
+    """Parse a text such as "cm,ms,deg". Raises InputError for an unknown unit, and for two of a kind."""
     held: dict[str, str] = {}
     for word in filter(None, (word.strip() for word in text.split(","))):
         unit = track_columns.canonical_unit(word)
@@ -119,7 +119,7 @@ def _parse_units(text: str) -> _Given:
 
 
 def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
-    """Read what walkergen writes: on the plate with a heading, else with y_mm as the height."""
+    """Read a file that walkergen wrote: on the plate, with a heading, or in a plane with y_mm as the height."""
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
@@ -130,7 +130,7 @@ def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> 
 
 
 def _check_no_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
-    """Raise InputError for units of a file that states its own."""
+    """Raise InputError for units given for a file that states its `own` (named in the message)."""
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
@@ -150,7 +150,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
-    """Return the unit of the column time (s) and True, or frames per second and False; and notes."""
+    """Return the seconds in a unit of the column time and True, or frames per second and False; and notes."""
     frames = "frame" in source.table.values
     named = source.named.get("time")
     unit = given.time or (named.unit if named else "")
@@ -179,6 +179,7 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
 def _time_clock(
     path: Path, source: Source, units: Units, seconds: float, said: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
+    """Return `seconds` in a unit of time, True and the notes `said`. Raises InputError if fps is given too."""
     if units.fps is not None:
         raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave out ‹fps›")
     return seconds, True, said
@@ -194,6 +195,7 @@ def _frame_rate(path: Path, source: Source, units: Units) -> float:
 
 
 def _check_range(field: str, value: float) -> float:
+    """Return the value of a field if it is within the limits. Raises InputError."""
     if not MIN_UNIT <= value <= MAX_UNIT:
         raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_UNIT:g}..{MAX_UNIT:g}")
     return value
@@ -229,7 +231,7 @@ def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
 
 
 def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
-    """Return the unit of headings, rad, and a note on it. Raises InputError if the unit is unknown."""
+    """Return the unit of headings in rad, and a note on it. Raises InputError if the unit is unknown."""
     named = source.named.get("theta")
     unit = given.angle or (named.unit if named else "rad")
     if unit:
@@ -248,7 +250,7 @@ def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
 
 
 def _is_not_radians(table: Columns) -> bool:
-    """Return whether headings are not radians: those start within a turn, in steps of at most half a turn."""
+    """Return whether headings cannot be radians: these start within a turn, in steps of at most half a turn."""
     particle = table.values.get("particle", np.zeros(len(table.lines)))
     order = np.lexsort((table.values.get("frame", table.values.get("time", table.lines)), particle))
     order = order[~np.isnan(table.values["theta"][order])]

@@ -33,7 +33,7 @@ MIRRORED_PROGRAMS = ("FastTrack",)
 
 
 def read_source(path: Path, lane: bool) -> Source:
-    """Read the rows of a file of tracks; those of a `lane` need no y. Raises InputError."""
+    """Read the rows of a file of tracks in any format; in a `lane` y is not needed. Raises InputError."""
     if (arrays := track_arrays.read_arrays(path, lane)) is not None:
         return arrays
     head = list(islice(_text_lines(path), 3))
@@ -60,11 +60,11 @@ def _text_lines(path: Path) -> Iterator[str]:
     return track_arrays.npz_lines(path) or file_reading.read_lines(path, columns.FORMAT_NAME)
 
 
-def _table_lines(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
-    """Yield a table's lines in the form of a CSV file, without a title above, and `more` blank below its header.
+def _table_lines(path: Path, titled: bool, skipped_count: int = 0) -> Iterator[str]:
+    """Yield the lines of a table as those of a CSV file. Raises InputError.
 
-    What is left out is a blank line, so that lines keep their numbers. Raises InputError for commas in the
-    cells of a table with another mark between them.
+    A title above (`titled`) and `skipped_count` lines below the header become blank lines, so that lines keep their
+    numbers. Cells of a table with another separator must have no commas.
     """
     stream = _text_lines(path)
     if titled:
@@ -74,10 +74,10 @@ def _table_lines(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
         names = header.split(",")  # which have the frame once more
         header = ",".join(name if name not in names[:at] else "" for at, name in enumerate(names))
         stream = map(track_arrays.blank_infinite, stream)
-    mark = track_columns.find_separator(header)
-    skipped = islice(stream, more) if more else ()
+    separator = track_columns.find_separator(header)
+    skipped = islice(stream, skipped_count) if skipped_count else ()
     blank = ["\n"] * (titled + len(list(skipped)))
-    if mark in (",", ""):
+    if separator in (",", ""):
         yield from chain([header], blank, stream)
         return
     for at, line in enumerate(chain([header], blank, stream), 1):
@@ -85,15 +85,15 @@ def _table_lines(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
             raise InputError(
                 f"{path}:{at}: a comma seen in {safe_text.shorten_line(line.strip())[:40]!r}: {columns.SEPARATOR_HINT}"
             )
-        cells = line.split() if mark == " " else line.rstrip("\n").split(mark)
-        if mark == " " and 0 < len(cells) < len(header.split()):
+        cells = line.split() if separator == " " else line.rstrip("\n").split(separator)
+        if separator == " " and 0 < len(cells) < len(header.split()):
             words = f"{len(cells)} words, the header has {len(header.split())}"
             raise InputError(f"{path}:{at}: {words}: separate cells by commas where names hold spaces or cells nothing")
         yield ",".join(cells) + "\n"
 
 
 def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Source:
-    """Return the rows of a table whose columns name their contents."""
+    """Return the rows of a table whose column `names` state their contents. `titled`: with a line above these."""
     try:
         named = track_columns.find_columns(names)
     except InputError as error:
@@ -143,14 +143,16 @@ def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sou
 
 
 def _renumber_clusters(values: dict[str, Array], clusters: Array) -> str:
-    """Renumber walkers across all clusters of MTrackJ, which count their own tracks, and return a note."""
+    """Replace `particle` by numbers unique in all clusters of MTrackJ, and return a note."""
     pairs = np.stack([clusters, values["particle"]], axis=1)
     known = np.isfinite(pairs).all(axis=1)
-    of_each, numbers = np.unique(pairs[known], axis=0, return_inverse=True)
+    clusters_and_tracks, numbers = np.unique(pairs[known], axis=0, return_inverse=True)
     values["particle"] = np.full(len(clusters), np.nan)
     values["particle"][known] = numbers.ravel()
-    named = ", ".join(f"{at} TID {track:g} of CID {cluster:g}" for at, (cluster, track) in enumerate(of_each[:6]))
-    return f"walkers are numbered: {named}{', ...' if len(of_each) > 6 else ''}"
+    shown = ", ".join(
+        f"{at} TID {track:g} of CID {cluster:g}" for at, (cluster, track) in enumerate(clusters_and_tracks[:6])
+    )
+    return f"walkers are numbered: {shown}{', ...' if len(clusters_and_tracks) > 6 else ''}"
 
 
 def _program_warnings(program: str) -> tuple[str, ...]:
@@ -159,12 +161,12 @@ def _program_warnings(program: str) -> tuple[str, ...]:
     return ()
 
 
-def _detect_program(names: Sequence[str], named: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:
-    """Return the program that writes such columns, and whether its y counts downward."""
-    held = set(names)
-    if {"t_s", "x_mm"} <= held and "y" not in named:
+def _detect_program(names: Sequence[str], columns_by_kind: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:
+    """Return the program that writes columns of these names, and whether its y counts downward."""
+    present = set(names)
+    if {"t_s", "x_mm"} <= present and "y" not in columns_by_kind:
         return WALKERGEN_PROGRAM, False
-    for program, own in (
+    for program, its_columns in (
         (WALKERGEN_PROGRAM, {"t_s", "x_mm", "theta_rad"}),
         (WALKERGEN_PROGRAM, {"t_s", "x_mm", "pitch_rad"}),
         ("TrackMate", {"POSITION_X", "TRACK_ID"}),
@@ -175,20 +177,21 @@ def _detect_program(names: Sequence[str], named: Mapping[str, NamedColumn], titl
         ("idtracker.ai", {"frame", "time", "individual", "probability"}),
         ("idtracker.ai", {"trajectories1", "trajectories2"}),
     ):
-        if own <= held:
+        if its_columns <= present:
             return program, program != WALKERGEN_PROGRAM
     return ("Tracker", False) if titled else ("", False)
 
 
-def _read_labels(path: Path, titled: bool, below: int, name: str) -> list[str]:
-    """Return the labels of walkers in the column of this name, if they are no numbers."""
+def _read_labels(path: Path, titled: bool, skipped_count: int, name: str) -> list[str]:
+    """Return the labels of walkers in the column `name`; [] if they are numbers."""
     if not name:
         return []
-    labels = columns.distinct_texts(_table_lines(path, titled, below), str(path), name)
+    labels = columns.distinct_texts(_table_lines(path, titled, skipped_count), str(path), name)
     return labels if any(map(_is_word, labels)) else []
 
 
 def _is_word(label: str) -> bool:
+    """Return whether a label is neither a number nor a sign for no track."""
     try:
         float(label)
     except ValueError:
@@ -197,23 +200,23 @@ def _is_word(label: str) -> bool:
 
 
 def _read_units_below(
-    path: Path, names: list[str], named: dict[str, NamedColumn]
+    path: Path, names: list[str], columns_by_kind: dict[str, NamedColumn]
 ) -> tuple[int, dict[str, NamedColumn]]:
-    """Return TrackMate's lines below the header that are no rows, and its columns with the units of the last one."""
+    """Count TrackMate's lines below the header that are no rows; return them, and columns with their units."""
     lines = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
-    place = names.index("POSITION_X")
-    count = next((at for at, row in enumerate(rows) if place < len(row) and _is_number(row[place])), len(rows))
+    index = names.index("POSITION_X")
+    count = next((at for at, row in enumerate(rows) if index < len(row) and _is_number(row[index])), len(rows))
     if not count:
-        return 0, named
+        return 0, columns_by_kind
     unit_row = rows[count - 1]
     units = {
-        what: track_columns.canonical_unit(unit_row[names.index(each.name)].strip("() "))
-        for what, each in named.items()
-        if names.index(each.name) < len(unit_row)
+        kind: track_columns.canonical_unit(unit_row[names.index(column.name)].strip("() "))
+        for kind, column in columns_by_kind.items()
+        if names.index(column.name) < len(unit_row)
     }
-    known = {what: unit for what, unit in units.items() if unit in track_columns.UNITS_BY_COLUMN.get(what, ())}
-    return count, {what: each._replace(unit=known.get(what, "")) for what, each in named.items()}
+    known = {kind: unit for kind, unit in units.items() if unit in track_columns.UNITS_BY_COLUMN.get(kind, ())}
+    return count, {kind: column._replace(unit=known.get(kind, "")) for kind, column in columns_by_kind.items()}
 
 
 def _is_number(text: str) -> bool:
@@ -221,21 +224,23 @@ def _is_number(text: str) -> bool:
 
 
 def _from_pairs(
-    path: Path, named: Mapping[str, NamedColumn], several: Mapping[str, tuple[str, str]], titled: bool
+    path: Path, columns_by_kind: Mapping[str, NamedColumn], axes_by_label: Mapping[str, tuple[str, str]], titled: bool
 ) -> Source:
-    """Convert a table with one row a frame, and columns of x and y for every walker."""
-    clock = next((what for what in ("frame", "time") if what in named), "")
-    wide = [name for pair in several.values() for name in pair]
-    table = columns.read_numbers(path, [named[clock].name] if clock else (), wide, lines=_table_lines(path, titled))
-    times = table.values[named[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
-    by_program = all(label.isdigit() for label in several)
-    said = track_columns.format_labels(()) if by_program else track_columns.format_labels(tuple(several))
+    """Read a table with one row a frame, and columns of x and y for every walker, by its label."""
+    clock = next((what for what in ("frame", "time") if what in columns_by_kind), "")
+    names = [name for pair in axes_by_label.values() for name in pair]
+    table = columns.read_numbers(
+        path, [columns_by_kind[clock].name] if clock else (), names, lines=_table_lines(path, titled)
+    )
+    times = table.values[columns_by_kind[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
+    by_program = all(label.isdigit() for label in axes_by_label)
+    said = track_columns.format_labels(()) if by_program else track_columns.format_labels(tuple(axes_by_label))
     if not clock:
         said += ("rows are taken for frames, one after the other",)
-    walkers = [(table.values[x], table.values[y]) for x, y in several.values()]
-    numbers = [float(label) for label in several] if by_program else [float(n) for n in range(len(several))]
+    walkers = [(table.values[x], table.values[y]) for x, y in axes_by_label.values()]
+    numbers = [float(label) for label in axes_by_label] if by_program else [float(n) for n in range(len(axes_by_label))]
     long = track_columns.to_long_table(table, clock or "frame", times, walkers, numbers)
     unit = track_columns.PIXEL if by_program else ""
-    own = {"x": NamedColumn(wide[0], unit), "y": NamedColumn(wide[1], unit)}
-    own[clock or "frame"] = named[clock] if clock else NamedColumn("row", "")
+    own = {"x": NamedColumn(names[0], unit), "y": NamedColumn(names[1], unit)}
+    own[clock or "frame"] = columns_by_kind[clock] if clock else NamedColumn("row", "")
     return Source(long, own, "idtracker.ai" if by_program else "", by_program, said=said)

@@ -70,12 +70,12 @@ class _Walker(NamedTuple):
         """Reason why it has no speed, or no error of it."""
         return self.estimate.refused
 
-    def error(self, crowd: int) -> float:
-        """Compute the standard error of the speed, mm/s, with the scale's error that `crowd` rows share."""
+    def error(self, row_count: int) -> float:
+        """Return the standard error of the speed, mm/s, with the scale's error that this number of rows shares."""
         value, se = self.estimate.value, self.estimate.se
         assert value is not None
         assert se is not None
-        return math.hypot(se, math.sqrt(crowd) * (self.film.scale_se or 0.0) * value)
+        return math.hypot(se, math.sqrt(row_count) * (self.film.scale_se or 0.0) * value)
 
 
 def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
@@ -86,22 +86,22 @@ def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ..
     rows that have a speed as well, and for a walker in two rows.
     """
     names = _track_names(path)
-    filmed = np.array([int(line) in names for line in table.lines], bool)
-    both = filmed & ~np.isnan(_column_or_nan(table, SPEED_COLUMN))
+    has_tracks = np.array([int(line) in names for line in table.lines], bool)
+    both = has_tracks & ~np.isnan(_column_or_nan(table, SPEED_COLUMN))
     if both.any():
         raise InputError(f"{path}:{table.lines[both][0]}: both {SPEED_COLUMN} and {TRACKS_COLUMN}: leave one blank")
     films: dict[str, _Film] = {}
     walkers: list[_Walker] = []
-    for at in map(int, np.flatnonzero(filmed)):
-        name = names[int(table.lines[at])]
+    for row in map(int, np.flatnonzero(has_tracks)):
+        name = names[int(table.lines[row])]
         if name not in films:
             if len(films) == MAX_FILES:
                 raise InputError(f"{path}: more than {MAX_FILES} files of tracks: split the file")
             films[name] = _read_film(path.parent / name)
-        walkers += _row_walkers(films[name], at, _column_or_nan(table, PARTICLE_COLUMN)[at], path, table)
+        walkers += _row_walkers(films[name], row, _column_or_nan(table, PARTICLE_COLUMN)[row], path, table)
     _check_duplicates(path, walkers)
     known = [walker for walker in walkers if walker.speed is not None]
-    joined = _join_rows(table.reject_rows(filmed, ""), table, known)
+    joined = _join_rows(table.reject_rows(has_tracks, ""), table, known)
     bad = table.bad | _missing_speed_reasons(table, walkers, known)
     notes = [note for film in films.values() for note in _film_notes(film, walkers)]
     joined = joined._replace(bad=bad)
@@ -111,19 +111,19 @@ def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ..
 
 
 def _track_names(path: Path) -> dict[int, str]:
-    """Return the names of files of tracks by their lines."""
+    """Return the names of files of tracks by the line that names them."""
     records = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME), str(path))
     cells = ((line, row[TRACKS_COLUMN].strip()) for line, row in records.rows)
     return {line: cell for line, cell in cells if cell}
 
 
 def _column_or_nan(table: Columns, name: str) -> Array:
-    """Return the column of a table, NaN if it has none."""
+    """Return a column of a table; NaN if the table does not have it."""
     return table.values.get(name, np.full(len(table.lines), np.nan))
 
 
 def _read_film(path: Path) -> _Film:
-    """Return the walkers of a file of tracks that states its own lengths and times, as `analyse` reads it."""
+    """Return the walkers of a file of tracks, as `analyse` measures them."""
     read = track_files.read_tracks(path, track_files.Units())
     measured = motion.analyse(read, found=walls.find_walls(read))
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
@@ -139,7 +139,10 @@ def _read_film(path: Path) -> _Film:
 
 
 def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
-    """Yield the walkers that a row represents. Raises InputError for one that the tracks lack."""
+    """Yield the walkers that the row `at` of the table represents: that with this number, or all if it is NaN.
+
+    Raises InputError for a number that the tracks do not have.
+    """
     lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
         unknown = all(walker.speed is None for walker in lone)
@@ -170,31 +173,32 @@ def _check_duplicates(path: Path, walkers: Sequence[_Walker]) -> None:
             seen.add(key)
 
 
-def _join_rows(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
-    """Return the rows of numbers, then a row for each walker with the other cells of its row."""
-    at = np.array([walker.at for walker in known], np.int64)
-    crowds = [sum(other.film is walker.film for other in known) for walker in known]
-    of_film = np.array([walker.film.plates[walker.particles[0]] for walker in known])
+def _join_rows(other_rows: Columns, table: Columns, walkers: Sequence[_Walker]) -> Columns:
+    """Return the other rows, then a row for each of the walkers with the remaining cells of its row in the table."""
+    at = np.array([walker.at for walker in walkers], np.int64)
+    row_counts = [sum(other.film is walker.film for other in walkers) for walker in walkers]
+    film_plates = np.array([walker.film.plates[walker.particles[0]] for walker in walkers])
     plate = _column_or_nan(table, PLATE_COLUMN)[at]
-    own = {
-        SPEED_COLUMN: np.array([walker.speed for walker in known], float),
-        ERROR_COLUMN: np.array([walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)], float),
-        PLATE_COLUMN: np.where(np.isnan(plate), of_film, plate),
+    new_columns = {
+        SPEED_COLUMN: np.array([walker.speed for walker in walkers], float),
+        ERROR_COLUMN: np.array([walker.error(count) for walker, count in zip(walkers, row_counts, strict=True)], float),
+        PLATE_COLUMN: np.where(np.isnan(plate), film_plates, plate),
     }
-    names = dict.fromkeys((*table.values, *own))
+    names = dict.fromkeys((*table.values, *new_columns))
     values = {
-        name: np.append(_column_or_nan(rest, name), own.get(name, _column_or_nan(table, name)[at])) for name in names
+        name: np.append(_column_or_nan(other_rows, name), new_columns.get(name, _column_or_nan(table, name)[at]))
+        for name in names
     }
-    return Columns(values, np.append(rest.lines, table.lines[at]), {})
+    return Columns(values, np.append(other_rows.lines, table.lines[at]), {})
 
 
-def _missing_speed_reasons(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]) -> dict[int, str]:
-    """Return the reasons, by line, why rows have no walker with a speed."""
-    having = {walker.at for walker in known}
-    lacking = {walker.at: walker for walker in reversed(walkers) if walker.at not in having}
+def _missing_speed_reasons(table: Columns, walkers: Sequence[_Walker], usable: Sequence[_Walker]) -> dict[int, str]:
+    """Return by line why a row has no walker with a speed; `usable` walkers have one."""
+    with_speed = {walker.at for walker in usable}
+    without_speed = {walker.at: walker for walker in reversed(walkers) if walker.at not in with_speed}
     return {
         int(table.lines[at]): f"{walker.film.name}: no walker has a speed: {walker.reason}"
-        for at, walker in lacking.items()
+        for at, walker in without_speed.items()
     }
 
 

@@ -23,7 +23,7 @@ steps of the same walker before it and after it; diffusion alone gives up to 3."
 
 
 def find_all(tracks: Tracks) -> list[str]:
-    """Return all doubts about tracks of a film, as text."""
+    """Return all reasons to doubt the tracks of a film, as text."""
     groups, _ = moments.independent_samples(tracks.tracks)
     headed = not tracks.lane and any(track.heading is not None for track in tracks.tracks)
     of_headings = _flip_doubts(tracks.tracks) + _rotation_doubts(groups) if headed else []
@@ -31,7 +31,7 @@ def find_all(tracks: Tracks) -> list[str]:
 
 
 def describe_scale_error(share: float | None) -> str:
-    """Describe the effect of the scale's error, given as a share of it; '' if it is exact, as in a simulation.
+    """Describe the effect of the scale's relative error; '' if it is 0, as in a simulation.
 
     None is an unknown error.
     """
@@ -64,9 +64,9 @@ def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
 
 
 def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
-    """Return a warning if headings fit displacements only when turned or mirrored.
+    """Return a warning if headings fit displacements only when turned or mirrored; [] otherwise.
 
-    Displacements that chance alone aligns with headings, as of walkers at rest, give none.
+    `groups`: tracks of each independent sample. Displacements that chance alone aligns with headings give none.
     """
     sums = np.zeros((len(groups), 2), dtype=complex)
     for number, group in enumerate(groups):
@@ -116,7 +116,7 @@ def _jump_doubts(tracks: Tracks) -> list[str]:
 
 
 def _track_steps(track: Track) -> tuple[Whole, Array]:
-    """Return the samples at which a walker was seen, and the steps between them, mm per sample."""
+    """Return the samples at which a walker was seen, and its steps between them, mm per sample."""
     place = moments.complex_position(track)
     at = np.flatnonzero(~np.isnan(place))
     return at, np.abs(np.diff(place[at])) / np.diff(at)

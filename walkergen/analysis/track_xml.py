@@ -22,10 +22,10 @@ def read_mtrackj(path: Path) -> Source:
     rows: list[tuple[float, ...]] = []
     lines, bad, track = [], {}, -1.0
     for at, line in enumerate(file_reading.read_lines(path, columns.FORMAT_NAME), 1):
-        word, *cells = line.split() or [""]
-        if word == "Track":
+        first_word, *cells = line.split() or [""]
+        if first_word == "Track":
             track += 1.0
-        elif word == "Point":
+        elif first_word == "Point":
             try:
                 _, x, y, _, t, *_ = map(float, cells)
             except ValueError:
@@ -43,16 +43,19 @@ def _from_rows(
     bad: dict[int, str],
     program: str,
     unit: str,
-    second: float | None = None,
+    frame_s: float | None = None,
 ) -> Source:
-    """Return the rows of frame, particle, x and y; `second` is the time between frames, s, if known."""
+    """Return the rows of frame, particle, x and y as a source, with the lines where they are in the file.
+
+    `bad`: reasons by line; `unit` of x and y; `frame_s`: time between frames, s, if known.
+    """
     if not rows:
         raise InputError(f"{path}: no track in it")
     frame, particle, x, y = np.array(rows, dtype=float).T
     values = {"frame": frame, "particle": particle, "x": x, "y": y}
     named = {"frame": NamedColumn("frame", ""), "x": NamedColumn("x", unit), "y": NamedColumn("y", unit)}
-    if second:
-        values["time"], named["time"] = second * frame, NamedColumn("t", "s")
+    if frame_s:
+        values["time"], named["time"] = frame_s * frame, NamedColumn("t", "s")
     table = Columns(values, np.array(lines, np.int64), bad)
     beyond = ~(np.abs(np.array(rows)) <= columns.MAX_MAGNITUDE).all(axis=1)
     return Source(table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, True)
@@ -76,6 +79,7 @@ def read_xml(path: Path) -> Source:
 
 
 def _from_trackmate(path: Path, root: ElementTree.Element) -> Source:
+    """Return the rows of TrackMate's XML: tracks alone, or with everything that it stores."""
     if root.tag == "Tracks":
         rows: list[tuple[float, ...]] = [
             (float(spot.attrib["t"]), float(number), float(spot.attrib["x"]), float(spot.attrib["y"]))
@@ -96,7 +100,7 @@ def _from_trackmate(path: Path, root: ElementTree.Element) -> Source:
 
 
 def _from_tracker(path: Path, root: ElementTree.Element) -> Source:
-    """Return the point masses of Tracker's project as rows: marks in the picture, on its axes, in its scale."""
+    """Return the point masses of Tracker's project as rows, in the axes and the scale of the project."""
     axes = root.findall("property[@name='coords']/object/property[@name='framedata']/property/object")
     if len(axes) != 1:
         raise InputError(f"{path}: its axes or scale change from frame to frame: export the table (File, Export, Data)")
@@ -121,7 +125,7 @@ def _from_tracker(path: Path, root: ElementTree.Element) -> Source:
 
 
 def _read_number(element: ElementTree.Element | None, name: str) -> float:
-    """Read a number that Tracker saves under a name. Raises ValueError."""
+    """Read a number that Tracker saved under a name. Raises ValueError if it is missing or not finite."""
     text = None if element is None else element.findtext(f"property[@name='{name}']")
     number = math.nan if text is None else float(text)
     if not math.isfinite(number) or (name.endswith("scale") and number == 0.0):
@@ -130,7 +134,7 @@ def _read_number(element: ElementTree.Element | None, name: str) -> float:
 
 
 def _model_rows(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:
-    """Yield the rows of the spots of TrackMate's tracks that pass its filters."""
+    """Yield frame, particle, x and y of the spots of TrackMate's tracks that pass its filters."""
     spots = {
         spot.attrib["ID"]: tuple(float(spot.attrib[f"{key}"]) for key in ("FRAME", "POSITION_X", "POSITION_Y"))
         for spot in root.iter("Spot")

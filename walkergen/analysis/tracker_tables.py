@@ -28,8 +28,8 @@ def title_line_count(head: Sequence[str]) -> int:
     return count if named and _split_cells(head[count], mark)[0] == TIME_COLUMN else 0
 
 
-def _split_cells(line: str, mark: str) -> list[str]:
-    return [cell.strip() for cell in line.rstrip("\n").split(mark)]
+def _split_cells(line: str, separator: str) -> list[str]:
+    return [cell.strip() for cell in line.rstrip("\n").split(separator)]
 
 
 def read_tracker(path: Path, count: int) -> Source:
@@ -48,7 +48,7 @@ def read_tracker(path: Path, count: int) -> Source:
     keys = [f"{axis} of track {n}" for n in range(len(wide["x"])) for axis in ("x", "y")]
     places = [at for pair in zip(wide["x"], wide["y"], strict=True) for at in pair]
     table = columns.read_numbers(
-        path, [TIME_COLUMN], keys, lines=_select_columns(path, count, mark, [TIME_COLUMN, *keys], [0, *places])
+        path, [TIME_COLUMN], keys, lines=_csv_lines(path, count, mark, [TIME_COLUMN, *keys], [0, *places])
     )
     walkers = [(table.values[x], table.values[y]) for x, y in zip(keys[::2], keys[1::2], strict=True)]
     long = track_columns.to_long_table(table, "time", table.values[TIME_COLUMN], walkers, range(len(walkers)))
@@ -62,12 +62,17 @@ def read_tracker(path: Path, count: int) -> Source:
     return Source(long, named, "Tracker", said=said)
 
 
-def _select_columns(path: Path, count: int, mark: str, names: Sequence[str], places: Sequence[int]) -> Iterator[str]:
-    """Yield the lines of a CSV file with these columns alone; the first line holds the names."""
+def _csv_lines(
+    path: Path, header_index: int, separator: str, names: Sequence[str], indices: Sequence[int]
+) -> Iterator[str]:
+    """Yield a CSV file's lines with the columns at these indices; the first line holds the new names.
+
+    The file's own names are on the line `header_index`, counted from 0.
+    """
     yield ",".join(names) + "\n"
     stream = file_reading.read_lines(path, columns.FORMAT_NAME)
-    for at, line in enumerate(chain(["\n"] * count, islice(stream, count + 1, None)), 2):
-        if mark != "," and "," in line:
+    for at, line in enumerate(chain(["\n"] * header_index, islice(stream, header_index + 1, None)), 2):
+        if separator != "," and "," in line:
             raise InputError(f"{path}:{at}: a comma seen in {line.strip()[:40]!r}: {columns.SEPARATOR_HINT}")
-        cells = _split_cells(line, mark)
-        yield ",".join(cells[place] if place < len(cells) else "" for place in places if line.strip()) + "\n"
+        cells = _split_cells(line, separator)
+        yield ",".join(cells[place] if place < len(cells) else "" for place in indices if line.strip()) + "\n"

@@ -22,7 +22,7 @@ class Track(NamedTuple):
     """Samples after each one within which no wall can be reached, shape (times,); None without walls."""
 
     def free_samples(self, span: int) -> Mask | None:
-        """Return which samples are followed by at least `span` more without a wall in reach; None without walls."""
+        """Return whether no wall is in reach during the next `span` samples, shape (times,); None without walls."""
         return None if self.reach is None else self.reach >= span
 
 
@@ -46,10 +46,10 @@ class Tracks(NamedTuple):
 
 
 def from_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
-    """Build tracks of simulated walkers, numbered in turn, `interval` s between samples.
+    """Build tracks of simulated walkers, numbered from 0, `interval` s between samples.
 
-    Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only the
-    way along it counts, as in a film of one.
+    Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only x counts, as in a film
+    of one.
     """
     tracks = (
         Track(number, rows[:, :1] if lane else rows[:, :2], None if lane else rows[:, 2])

@@ -60,12 +60,15 @@ def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
     if not size:
         return []
     longest = _longest_bridged_gap(list(units.values()), size)
-    every = [_walker_turning(track, units[track.particle], size, longest, interval) for track in headed]
-    return [turning for turning in every if turning is not None]
+    turnings = [_walker_turning(track, units[track.particle], size, longest, interval) for track in headed]
+    return [turning for turning in turnings if turning is not None]
 
 
 def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
-    """Return the longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
+    """Return the longest gap, of at most `size` samples, across which turns are known; 1: none.
+
+    `units`: for each walker unit vectors of its headings as complex numbers, NaN if unknown.
+    """
     gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
     lags = np.unique(np.concatenate(gaps))
     lags = lags[(lags > 1) & (lags <= size)]
@@ -78,22 +81,26 @@ def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
     return int(bridged[-1]) if len(bridged) else 1
 
 
-def _walker_turning(track: Track, unit: Complex, size: int, longest: int, interval: float) -> Turning | None:
-    """Measure the turning of one walker from its unit vectors, in pieces of about `size` samples."""
-    seen = np.flatnonzero(~np.isnan(unit))
+def _walker_turning(track: Track, vectors: Complex, size: int, longest_gap: int, interval: float) -> Turning | None:
+    """Measure the turning of one walker in pieces of about `size` samples; None without two pieces.
+
+    `vectors`: unit vectors of its headings as complex numbers. Turns across more than `longest_gap` samples are left
+    out; samples are `interval` s apart.
+    """
+    seen = np.flatnonzero(~np.isnan(vectors))
     steps = np.diff(seen)
-    turns = np.angle(unit[seen[1:]] * np.conj(unit[seen[:-1]]))
-    count = (len(unit) - 1) // size
+    turns = np.angle(vectors[seen[1:]] * np.conj(vectors[seen[:-1]]))
+    count = (len(vectors) - 1) // size
     if count < 2 or not (steps == 1).any():
         return None
     # Wrapped about the walker's mean turn, which may be more than half a turn across a gap.
     expected = turns[steps == 1].mean() * steps
     turns = expected + np.angle(np.exp(1j * (turns - expected)))
-    near = steps <= longest
+    counted = steps <= longest_gap
     if track.reach is not None:
-        near &= track.reach[seen[:-1]] >= steps
-    turns, steps, first, last = (turns[near], steps[near], seen[:-1][near], seen[1:][near])
-    piece = np.searchsorted(np.linspace(0, len(unit) - 1, count + 1), last) - 1
+        counted &= track.reach[seen[:-1]] >= steps
+    turns, steps, first, last = (turns[counted], steps[counted], seen[:-1][counted], seen[1:][counted])
+    piece = np.searchsorted(np.linspace(0, len(vectors) - 1, count + 1), last) - 1
     fresh = np.append(True, first[1:] != last[:-1])
     starts = fresh | np.append(True, piece[1:] != piece[:-1])
     turned, seconds, ends = (
@@ -101,11 +108,11 @@ def _walker_turning(track: Track, unit: Complex, size: int, longest: int, interv
     )
     if len(turned) < 2:
         return None
-    whole = float(seconds.sum())
-    rate = float(turned.sum()) / whole
+    total = float(seconds.sum())
+    rate = float(turned.sum()) / total
     squares = float((seconds * (turned / seconds - rate) ** 2).sum())
-    noise = 2.0 * float((ends / seconds).sum() - fresh.sum() / whole)
-    return Turning(track.particle, rate, squares, len(turned), whole, noise)
+    noise = 2.0 * float((ends / seconds).sum() - fresh.sum() / total)
+    return Turning(track.particle, rate, squares, len(turned), total, noise)
 
 
 def scatter(turnings: Sequence[Turning]) -> Quantity:

@@ -1,9 +1,12 @@
 """Errors of numbers by the jackknife, whether turning lasts, and reasons to refuse a number.
 
-Rates of turning may last for a while: tracks show it, exclude it, or leave it open. If it is open,
-headings that lose direction late look like noise of the headings. An exponential would then
-give a persistence too long, with an error that ignores this. So the rate is that of the fit
-with a memory. Its error holds for walkers without a memory as well.
+Rates of turning may last for a while (a memory): tracks show it, exclude it, or leave it open. If it is open, headings
+that lose direction late look like noise of the headings. An exponential would then give a persistence too long, with an
+error that ignores this. So the rate is that of the fit with a memory. Its error holds for walkers without a memory as
+well.
+
+`frame` has the settings, `fitted` the fit of the squared displacement (None in a lane), `longest_s` its longest lag.
+Functions that refuse return reasons by the names of numbers.
 """
 
 import math
@@ -65,7 +68,7 @@ def is_resolved(number: Quantity) -> bool:
 
 
 def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
-    """Return the jackknife error of a number; NaN with too few samples, or if one has no number."""
+    """Return the jackknife error of a number; NaN with too few replicates, or if one is not finite."""
     spread = np.array([[replicate[name]] for replicate in replicates])
     if len(spread) < MIN_SAMPLES or not np.isfinite(spread).all():
         return math.nan
@@ -73,31 +76,31 @@ def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> fl
 
 
 def choose_memory(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[dict[str, float]]]:
-    """Choose the frame for what the tracks show of the memory, and return its numbers.
+    """Decide from the tracks whether turning has a memory; return the frame for that, and its numbers.
 
     `sums` are those of all samples, then of those without each one, and so are the numbers.
     """
     if frame.lane or not frame.headed:
         return frame, evaluate_all(sums, frame)
-    late = frame._replace(memory=True)
-    lasting = evaluate_all(sums, late)
-    memory = jackknife_quantity(lasting, "turning_memory")
+    with_memory = frame._replace(memory=True)
+    numbers = evaluate_all(sums, with_memory)
+    memory = jackknife_quantity(numbers, "turning_memory")
     # Within a sample it looks like less noise of the headings.
-    if is_resolved(memory) and lasting[0]["turning_memory"] > frame.interval:
-        return late, lasting
-    at_once = evaluate_all(sums, frame)
+    if is_resolved(memory) and numbers[0]["turning_memory"] > frame.interval:
+        return with_memory, numbers
+    plain = evaluate_all(sums, frame)
     if _is_shorter(memory, frame.interval):
-        return frame, at_once
-    return frame._replace(memory_open=True), _merge_persistence(at_once, lasting)
+        return frame, plain
+    return frame._replace(memory_open=True), _merge_persistence(plain, numbers)
 
 
 def evaluate_all(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]]:
-    """Compute the numbers of each of the sums, with the memory of `frame`."""
+    """Compute the numbers of each of the sums, with the memory that `frame` states."""
     values = [evaluate(sample, frame) for sample in sums]
     if not frame.memory_open:
         return values
-    late = frame._replace(memory=True)
-    return _merge_persistence(values, [evaluate(sample, late) for sample in sums])
+    with_memory = frame._replace(memory=True)
+    return _merge_persistence(values, [evaluate(sample, with_memory) for sample in sums])
 
 
 def _is_shorter(memory: Quantity, seconds: float) -> bool:
@@ -109,24 +112,24 @@ def _is_shorter(memory: Quantity, seconds: float) -> bool:
 
 
 def _merge_persistence(
-    at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]
+    plain: Sequence[Mapping[str, float]], with_memory: Sequence[Mapping[str, float]]
 ) -> list[dict[str, float]]:
-    """Return the numbers of walkers without memory, except the persistence, which is that with one.
+    """Return the `plain` numbers with persistence and memory replaced by those of fits with a memory.
 
     The memory itself is there to name a bound.
     """
     names = "persistence_rate", "persistence_time", "turning_memory"
     return [
         {
-            **plain,
-            **{name: late[name] for name in names},
-            "persistence_length": abs(plain["speed"]) * late["persistence_time"],
+            **numbers,
+            **{name: lasting[name] for name in names},
+            "persistence_length": abs(numbers["speed"]) * lasting["persistence_time"],
         }
-        for plain, late in zip(at_once, lasting, strict=True)
+        for numbers, lasting in zip(plain, with_memory, strict=True)
     ]
 
 
-def judge(
+def attach_errors(
     values: Mapping[str, float],
     replicates: Sequence[Mapping[str, float]],
     frame: Frame,
@@ -136,13 +139,12 @@ def judge(
     freedom: float,
     differ: bool,
 ) -> dict[str, Quantity]:
-    """Attach jackknife errors to the values, or refuse them.
+    """Return the numbers with jackknife errors, or with reasons to refuse them.
 
-    `replicates` leave out a sample each, `without_one` a walker each if samples are pieces of a
-    few walkers. If walkers differ by more than their pieces show, the error is that over walkers. So
-    is the error of runs if walkers are known to `differ` in speed or turning.
-    `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
-    that of the samples. Some samples may hold little free motion.
+    `values` are those of all samples. `replicates` leave out a sample each, `without_one` a walker each if samples are
+    pieces of a few walkers. If walkers differ by more than their pieces show, the error is that over walkers. So is the
+    error of runs if walkers are known to `differ` in speed or turning. `freedom`: degrees of freedom of the samples;
+    some may hold little free motion.
     """
     numbers = {
         name: quantity(name, value, _jackknife_error(replicates, name), freedom) for name, value in values.items()
@@ -174,7 +176,7 @@ def _bound_reason(number: Quantity, unit: str, scale: float = 1.0, root: bool = 
 
 
 def _detection_share(numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float) -> float:
-    """Return the minimum share of a run's estimated rate for a reported diffusivity; 0 without a minimum."""
+    """Return the least rate of a run that is reported, over the estimated one; 0 without a limit."""
     rate, error = numbers["msd_rate"].pair
     if fitted is None or not fitted.run or not rate > 0.0:
         return 0.0
@@ -185,6 +187,7 @@ def _detection_share(numbers: Numbers, frame: Frame, fitted: DisplacementFit | N
 
 
 def _meaningless_reasons(frame: Frame) -> dict[str, str]:
+    """Refuse numbers that have no meaning in a lane, without headings, or besides these."""
     if frame.lane:
         names = (*TURNING_NAMES, *HEADING_NAMES, *ACROSS_NAMES, "motion_speed", "ballistic_speed")
         also = ("localisation_noise", "translational_diffusion")
@@ -197,7 +200,7 @@ def _meaningless_reasons(frame: Frame) -> dict[str, str]:
 def _unresolved_reasons(
     numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
 ) -> dict[str, str]:
-    """Refuse roots of, and quotients by, numbers that may be zero: no error holds."""
+    """Refuse roots of numbers, and quotients by numbers, that may be zero: no error holds."""
     if frame.lane or fitted is None:
         reason = "the spread about the mean run is too small to tell"
         return {} if is_resolved(numbers["diffusivity"]) else {"crossover_time": reason}
@@ -219,7 +222,7 @@ def _unresolved_reasons(
 
 
 def _unresolved_persistence(numbers: Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
-    """Refuse what is divided by a rate of persistence that is too small, or too uncertain."""
+    """Refuse persistence time and length if the rate of losing direction is too small, or too uncertain."""
     rate = numbers["persistence_rate"].number
     lost, ends = rate * longest_s > frame.decayed, numbers["persistence_rate"].interval()
     if lost and ends is not None and ends[0] > 0.0:
@@ -237,7 +240,7 @@ def _unresolved_persistence(numbers: Numbers, frame: Frame, longest_s: float) ->
 
 
 def _unresolved_spread(numbers: Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
-    """Refuse terms of the squared displacement that cannot be separated from zero, or from others."""
+    """Refuse terms of the squared displacement that cannot be separated from zero, or from each other."""
     if math.isnan(fitted.spreads[0].offset):
         return {}  # nothing was fitted, which is reason enough
     first_s = frame.interval
@@ -271,10 +274,10 @@ def _unresolved_spread(numbers: Numbers, frame: Frame, fitted: DisplacementFit, 
 
 
 def _hidden_run(numbers: Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
-    """Refuse diffusivity where a run that lags are too short to show may add more to it than its bounds allow.
+    """Refuse diffusivity if a run that the lags are too short to show may add more than its bounds allow.
 
-    Headings tell that: v^2 / (2 rate), with the largest speed v (95 %). Without them it is refused where products
-    of displacements show a run, or the squared displacement may have one.
+    With headings that is v^2 / (2 rate), with the largest speed v (95 %). Without them it is refused if products of
+    displacements show a run, or the squared displacement may have one.
     """
     if not frame.headed:
         hidden = math.inf if fitted.suspected or is_resolved(numbers["amplitude"]) else 0.0

@@ -103,9 +103,9 @@ class Walls(NamedTuple):
 
 
 def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
-    """Find the walls about walkers on a plane: a dish's, or those that the tracks show; None without any.
+    """Find the walls about walkers on a plane: those of `dish`, or those that the tracks show.
 
-    None in a lane, and of a periodic dish.
+    None without walls, in a lane, and for a periodic dish.
     """
     if tracks.lane or (dish is not None and dish.period):
         return None
@@ -138,32 +138,38 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     )
 
 
-def _is_sliding(depths: Sequence[Array], narrow: float, cornered: bool) -> bool:
-    """Return whether walkers slide along their hull for most of the time, and cross it or follow its corners."""
+def _is_sliding(depths: Sequence[Array], width: float, cornered: bool) -> bool:
+    """Return whether walkers slide along their hull for most of the time, and cross it or follow its corners.
+
+    `depths` (mm, by track) below the hull, `width` of the hull (mm), `cornered`: whether it is no disc.
+    """
     depth = np.concatenate(depths)
     depth = depth[~np.isnan(depth)]
-    crossed = sum(_count_visits(each, BAND_DEPTH * narrow, INSIDE_DEPTH * narrow) for each in depths)
-    thin, inside = (depth < SLIDING_DEPTH * narrow).mean(), (depth > INSIDE_DEPTH * narrow).mean()
-    return bool(thin > MIN_SLIDING_SHARE and (cornered or (crossed and inside > MIN_CROSSING_SHARE)))
+    visits = sum(_count_visits(each, BAND_DEPTH * width, INSIDE_DEPTH * width) for each in depths)
+    thin, inside = (depth < SLIDING_DEPTH * width).mean(), (depth > INSIDE_DEPTH * width).mean()
+    return bool(thin > MIN_SLIDING_SHARE and (cornered or (visits and inside > MIN_CROSSING_SHARE)))
 
 
 def _is_confining(
-    tracks: Tracks, places: Array, depths: Sequence[Array], narrow: float, area: float, girth: float
+    tracks: Tracks, places: Array, depths: Sequence[Array], width: float, area: float, girth: float
 ) -> bool:
-    """Return whether the hull of tracks, with its area and girth, holds walkers back."""
-    band = BAND_DEPTH * narrow
-    visits = sum(_count_visits(depth, band, INSIDE_DEPTH * narrow) for depth in depths)
+    """Return whether the hull of the tracks is a wall that holds walkers back.
+
+    `places`: shape (n, 2), mm; `depths` below the hull by track; `width`, `area` and `girth` of the hull, mm.
+    """
+    band = BAND_DEPTH * width
+    visits = sum(_count_visits(depth, band, INSIDE_DEPTH * width) for depth in depths)
     depth = np.concatenate(depths)
     depth = depth[~np.isnan(depth)]
-    inside = float((depth > INSIDE_DEPTH * narrow).mean())
-    crowded = float((depth < band).mean()) * area / (band * girth - math.pi * band**2)
-    if visits < MIN_VISITS or inside < (PRESSED_INSIDE_SHARE if crowded > PRESSED_CROWDING else MIN_INSIDE_SHARE):
+    inside = float((depth > INSIDE_DEPTH * width).mean())
+    crowding = float((depth < band).mean()) * area / (band * girth - math.pi * band**2)
+    if visits < MIN_VISITS or inside < (PRESSED_INSIDE_SHARE if crowding > PRESSED_CROWDING else MIN_INSIDE_SHARE):
         return False
-    return crowded > MIN_CROWDING or (crowded > EVEN_CROWDING and _is_stationary(tracks, places))
+    return crowding > MIN_CROWDING or (crowding > EVEN_CROWDING and _is_stationary(tracks, places))
 
 
 def _is_stationary(tracks: Tracks, places: Array) -> bool:
-    """Return whether the squared displacement of walkers is that of unrelated places, from short lags on."""
+    """Return whether squared displacements are those of unrelated `places` (mm), from short lags on."""
     longest = max(len(track.position) for track in tracks.tracks)
     lags = lag_sums.log_spaced_lags(longest // LAST_LAG_DIVISOR, LAG_COUNT, max(longest // STATIONARY_SHARES[0][0], 1))
     squares, pairs = np.sum([lag_sums.sum_squares(track.position, lags) for track in tracks.tracks], axis=0)
@@ -172,7 +178,7 @@ def _is_stationary(tracks: Tracks, places: Array) -> bool:
 
 
 def _count_visits(depth: Array, near: float, away: float) -> int:
-    """Count how often a walker comes to a wall after it was away from it."""
+    """Count how often a walker comes to a wall, nearer than `near`, after it was farther than `away` (mm)."""
     states = np.where(depth < near, 1, np.where(depth > away, -1, 0))
     states = states[states != 0]
     return int((np.diff(states) > 0).sum())
@@ -198,7 +204,10 @@ def _displacements(track: Track, step: int) -> Array:
 
 
 def _convex_hull(places: Array) -> tuple[Array, float, float]:
-    """Return edges, area and girth of the convex hull of places, without a few outermost, perhaps mistaken ones."""
+    """Return edges, area and girth of the convex hull of places, mm, without a few outermost ones.
+
+    Edges are normals and offsets, shape (edges, 3).
+    """
     from scipy.spatial import ConvexHull
 
     fewest = (1.0 - MAX_OUTLIER_SHARE) * len(places)
@@ -212,7 +221,7 @@ def _convex_hull(places: Array) -> tuple[Array, float, float]:
 
 
 def _dish_distance(dish: Dish, places: Array) -> Array:
-    """Return the distance of places about the middle of a dish from its nearest wall, mm."""
+    """Return the distance of places, relative to the middle of a dish, from its nearest wall, mm."""
     if dish.kind == "rectangle":
         return np.asarray(np.min(0.5 * np.array(dish.sizes) - np.abs(places), axis=1))
     radius = np.hypot(*places.T)
