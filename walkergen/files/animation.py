@@ -69,7 +69,7 @@ def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[by
 def _write_film(
     draw: Draw, count: int, fps: int, progress: Progress, use: Callable[[Iterator[Pixels]], Used]
 ) -> tuple[Used, bytes | None, str]:
-    """Return what `use` makes of all frames, and their MP4; None without one, with the reason."""
+    """Return the result of `use` for all frames, and their MP4; None without an MP4, with the reason."""
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
@@ -84,7 +84,7 @@ def _write_film(
 
 
 def _choose_palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
-    """Choose one palette for all frames, so that what does not move does not flicker."""
+    """Choose one palette for all frames, so that fixed parts do not flicker; colours `keep` (#RRGGBB) stay exact."""
     chosen = sorted({round(at) for at in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
     pixels = np.concatenate([draw(at).reshape(-1, 3) for at in chosen]).astype(np.uint32)
     codes, often = np.unique(pixels @ np.array([1 << 16, 1 << 8, 1], np.uint32), return_counts=True)
@@ -123,6 +123,7 @@ def _stream_frames(
 
 
 def _encode_gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float) -> bytes:
+    """Return the frames as a GIF in which the last one stays for `hold_s`."""
     images = [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     delay = 1000 // fps
     delays = [delay] * (len(images) - 1) + [delay + round(100 * hold_s) * 10]

@@ -42,23 +42,23 @@ class Column(NamedTuple):
 
 
 def text_column(heading: str, key: str) -> Column:
-    """Return a column of words."""
+    """Return a column of a field as text; `key` is the field's name."""
     return Column(heading, lambda row: str(getattr(row, key)))
 
 
 def number_column(heading: str, key: str, digits: int = 4, wide: bool = False) -> Column:
-    """Return a column of numbers to significant digits; None is blank."""
+    """Return a column of a field's numbers to significant digits; None is blank."""
     return Column(heading, _format_if_known(key, lambda value: formatting.format_number(value, digits)), True, wide)
 
 
 def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Column:
-    """Return a column of numbers with so many decimals; None is blank."""
+    """Return a column of a field's numbers with this number of decimals; None is blank."""
     return Column(heading, _format_if_known(key, lambda value: formatting.format_fixed(value, digits)), True, wide)
 
 
-def _format_if_known(key: str, shown: Callable[[float], str]) -> Callable[[Any], str]:
-    """Return the cell of a row's value as text, blank for None."""
-    return lambda row: "" if (value := getattr(row, key)) is None else shown(value)
+def _format_if_known(key: str, format_number: Callable[[float], str]) -> Callable[[Any], str]:
+    """Return a function that formats the value of a row's field, blank for None."""
+    return lambda row: "" if (value := getattr(row, key)) is None else format_number(value)
 
 
 def error_column(heading: str, key: str, se: str) -> Column:
@@ -72,7 +72,7 @@ def error_column(heading: str, key: str, se: str) -> Column:
 
 
 def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Column:
-    """Return a column of intervals."""
+    """Return a column of intervals between two fields of a row."""
     return Column(heading, lambda row: formatting.format_range(getattr(row, low), getattr(row, high), digits))
 
 

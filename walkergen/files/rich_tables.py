@@ -61,6 +61,7 @@ class Sizes(NamedTuple):
 
 
 def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
+    """Return the letters that a column needs."""
     column = table.columns[index]
     cells = [column.header, *column.cells] if table.show_header else [*column.cells]
     texts = [console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells]
@@ -70,14 +71,17 @@ def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
     return Sizes(natural if column.no_wrap else max(words, default=0), natural)
 
 
-def _split_columns(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> Sequence[Sequence[int]]:
-    """Return the columns of each piece: those that name the rows, and as many others as fit."""
+def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: int) -> Sequence[Sequence[int]]:
+    """Return the columns of each piece: those that name the rows, and as many others as fit the width.
+
+    `edges`: letters around each column.
+    """
     justify = [column.justify for column in table.columns[:2]]
     names = [0, 1] if justify == ["right", "left"] else [0]
     pieces: list[list[int]] = []
     for column in range(len(names), len(sizes)):
         own = [*(pieces[-1] if pieces else names), column]
-        if not pieces or sum(sizes[index].least + frame for index in own) > width:
+        if not pieces or sum(sizes[index].least + edges for index in own) > width:
             own = [*names, column]
             pieces.append(own)
         else:
@@ -85,15 +89,15 @@ def _split_columns(table: "Table", sizes: Sequence[Sizes], frame: int, width: in
     return pieces or [names]
 
 
-def _column_widths(sizes: Sequence[Sizes], room: int) -> list[int]:
-    """Return widths of columns: at least what each needs, and shares of the rest for columns that wrap."""
+def _column_widths(sizes: Sequence[Sizes], width: int) -> list[int]:
+    """Return widths of columns that fit a width: at least what each needs, and shares of the rest."""
     widths = [size.least for size in sizes]
-    left = room - sum(widths)
-    wanting = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)
-    for place, index in enumerate(wanting):
-        more = min(sizes[index].natural - sizes[index].least, left // (len(wanting) - place))
-        widths[index] += max(more, 0)
-        left -= max(more, 0)
+    left = width - sum(widths)
+    order = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)
+    for place, index in enumerate(order):
+        added = min(sizes[index].natural - sizes[index].least, left // (len(order) - place))
+        widths[index] += max(added, 0)
+        left -= max(added, 0)
     return widths
 
 

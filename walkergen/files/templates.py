@@ -62,8 +62,8 @@ def find(name: str) -> Path:
 
 def _template_path(name: str, kind: str) -> Path:
     """Return the file of an existing template."""
-    room, _, stem = name.rpartition("/")
-    return folder() / room / kind / f"{stem}.toml"
+    subfolder, _, stem = name.rpartition("/")
+    return folder() / subfolder / kind / f"{stem}.toml"
 
 
 def read_with_name(path: Path, name: str) -> str:

@@ -99,6 +99,7 @@ def _parts_within_limit(parts: Sequence[Part]) -> Sequence[Part]:
 
 
 def _compress(data: bytes) -> str:
+    """Return compressed data as base64 text."""
     return base64.b64encode(zlib.compress(data, 9)).decode()
 
 

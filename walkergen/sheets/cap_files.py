@@ -35,10 +35,10 @@ class CappedWalker(NamedTuple):
 
 
 def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[CappedWalker]:
-    """Return the caps of walkers that have one, numbered on from the first design's number.
+    """Return the caps of walkers that have one, numbered consecutively from the first design's number.
 
-    `items` are their names, copy by copy. Raises InputError for more than the dictionary has, and
-    for caps that `track` could not read in one film.
+    `items` are the walkers' names, copy by copy. Raises InputError for more than the dictionary has, and for caps that
+    `track` could not read in one film.
     """
     bearers = [
         (design, item, design.cap) for design, item in zip(designs, items, strict=True) if design.cap is not None
@@ -121,6 +121,7 @@ def advice(capped: Sequence[CappedWalker]) -> list[str]:
 
 
 def _table_row(entry: CappedWalker) -> tuple[object, ...]:
+    """Return the row of caps.csv for a walker's cap."""
     cap = entry.cap
     height = cap.thickness + (cap.relief_mm if cap.kind == "raised" else 0.0)
     return (

@@ -86,11 +86,12 @@ def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float,
     return figure
 
 
-def _draw_tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
-    """Draw a tile about its middle, its front up."""
+def _draw_tile(axes: Axes, cap: Cap, middle: tuple[float, float]) -> None:
+    """Draw the tile of a cap at a point of the page (mm), its front up."""
 
     def to_page(points: Array) -> Array:
-        return np.column_stack([-points[:, 1], points[:, 0]]) + place
+        """Transform points of the tile (x forward) to the page, mm."""
+        return np.column_stack([-points[:, 1], points[:, 0]]) + middle
 
     axes.add_patch(Polygon(to_page(caps.tile_outline(cap)), fill=False, edgecolor="0.6", linewidth=0.2))
     for cell in caps.black_rectangles(cap):

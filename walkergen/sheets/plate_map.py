@@ -83,8 +83,8 @@ def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh]
     labels = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     count = f"{len(plate.placements)} part{'s' if len(plate.placements) > 1 else ''}"
     heading = f"{title}: {count}; {labels}"
-    key = 0.0 if shown.x0 < 0.0 else INSET_SHARE * scale * shown.width
-    _set_size(figure, axes, (scale * shown.width, scale * shown.height), key, (heading, *named))
+    inset_width = 0.0 if shown.x0 < 0.0 else INSET_SHARE * scale * shown.width
+    _set_size(figure, axes, (scale * shown.width, scale * shown.height), inset_width, (heading, *named))
     _show_area(axes, shown, printer)
     _label_parts(axes, members, meshes, plate, scale)
     axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=FONT_PT)
@@ -94,18 +94,17 @@ def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh]
     return figures.png(figure, 130)
 
 
-def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]) -> None:
-    """Give a map its size (inches), and the figure room for everything around it.
+def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], inset_width: float, lines: Sequence[str]) -> None:
+    """Set the size of a map (inches), and of the figure with everything around it.
 
-    `key` is the width of the small picture next to the map. `lines` are the heading, then the names
-    of designs, listed below it; all are centred on the map. The margins are computed here, as the
-    map's shape is given: matplotlib's own layout takes the map's free room for that of the names, and
-    cuts the last one off.
+    `inset_width` is that of the small picture next to the map. `lines` are the heading, then the names of designs,
+    listed below it; all are centred on the map. matplotlib's own layout would take the map's free room for the names,
+    and cut the last one off.
     """
     width, height = size
     overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER_WIDTH_RATIO * FONT_PT / 72.0 - width))
     left = max(MARGINS_INCHES.left, overhang)
-    right = max(MARGINS_INCHES.right + key, overhang)
+    right = max(MARGINS_INCHES.right + inset_width, overhang)
     below = MARGINS_INCHES.below + LINE_INCHES * (len(lines) - 1)
     whole_width, whole_height = left + width + right, below + height + MARGINS_INCHES.above
     figure.set_size_inches(whole_width, whole_height)
@@ -157,6 +156,7 @@ def draw_thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence
 
 
 def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> None:
+    """Draw all parts of a plate from above, upright legs darker, and the bed."""
     views = {part: _top_view(members[part], meshes[part]) for part in {p.part for p in plate.placements}}
     for kind, colour in figures.LEG_COLOURS.items():
         copies = [placed for placed in plate.placements if members[placed.part].kind == kind]
@@ -192,6 +192,7 @@ class _View(NamedTuple):
 
 
 def _top_view(design: Design, mesh: Mesh) -> _View:
+    """Return the triangles of a walker on the bed, seen from above."""
     if solids.is_printed_on_side(design):
         return _View(_underside(mesh), np.empty((0, 3, 2)))
     whole, legs = (triangulate(section) for section in _silhouettes(design, mesh))
@@ -229,7 +230,7 @@ def _legend_lines(letters: Mapping[str, str]) -> list[str]:
 
 
 def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
-    """Write a label for each part, as large as fits: between two equal legs, else on the part."""
+    """Write a label for each part, as large as fits. `scale`: inches per mm."""
     letters = names.design_letters(members)
     rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
     for placed in plate.placements:
@@ -245,7 +246,7 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
 
 
 def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Return the middle of a label between two equal legs, from the box's corner, and its font's height.
+    """Return the middle of a label between two equal legs, from the box's corner, and its font's height, mm.
 
     Halfway up, legs that lean are as far to the right of their feet.
     """

@@ -127,12 +127,12 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     return Answers(rows, lines, draw)
 
 
-def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> AnswerAndChoice:
-    """Return the measured answer, or the answer `before` with a reason if the budget was too short."""
-    wanted = before.error
+def _refine(stored: Answer, candidates: Sequence[Candidate], survey: Survey) -> AnswerAndChoice:
+    """Return the measured answer, or the stored one with a reason if the budget was too short."""
+    wanted = stored.error
     choice = choose_measured(candidates, wanted.value)
     if choice is None:
-        return before._replace(why=f"{before.why} This budget: {advise_budget(candidates, wanted, survey)}"), None
+        return stored._replace(why=f"{stored.why} This budget: {advise_budget(candidates, wanted, survey)}"), None
     return _make_answer(wanted, choice, SOURCE_BUDGET), choice
 
 
@@ -148,13 +148,13 @@ def choose_measured(candidates: Sequence[Candidate], allowed: float) -> Choice |
 
 
 def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> float:
-    """Return the bias of the step of double length; infinite if no longer step was measured."""
+    """Return the bias of the step of double length, or the longest; infinite if none is longer."""
     step_us = candidate.step_us or 0.0
     longer = sorted((other.step_us or 0.0, other.bias) for other in candidates if (other.step_us or 0.0) > step_us)
-    twice = [bias for other_us, bias in longer if other_us >= DOUBLE_STEP_RATIO * step_us] or [
+    biases = [bias for other_us, bias in longer if other_us >= DOUBLE_STEP_RATIO * step_us] or [
         bias for _, bias in longer[-1:]
     ]
-    return twice[0] if twice else math.inf
+    return biases[0] if biases else math.inf
 
 
 def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Survey) -> str:

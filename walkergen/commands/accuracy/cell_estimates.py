@@ -115,34 +115,39 @@ def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
     run = simulate(plan.with_run_settings(seconds=machine_speed.LOOP_S, discard_seconds=DISCARD_S), 0)
     if run.outcome not in ENDED_WELL:
         return found
-    dearer = run.cpu_s / (machine_speed.LOOP_S + DISCARD_S) / (machine_speed.cpu_per_s() * found.work(1.0))
-    larger = step_law.speed_scale(run.speed, found.peak) / found.unit
+    cost_ratio = run.cpu_s / (machine_speed.LOOP_S + DISCARD_S) / (machine_speed.cpu_per_s() * found.work(1.0))
+    speed_ratio = step_law.speed_scale(run.speed, found.peak) / found.unit
     return found._replace(
-        speed=abs(run.speed), variance_time=larger**2 * found.variance_time, work=lambda step: dearer * found.work(step)
+        speed=abs(run.speed),
+        variance_time=speed_ratio**2 * found.variance_time,
+        work=lambda step: cost_ratio * found.work(step),
     )
 
 
 def _estimate_from_cells(plan: Plan) -> Estimate:
     """Estimate speed, scatter and cost of a plan from the cells, without a simulation."""
     scene, design = plan.scene, plan.case.design
-    every, measured = cells.read_rows(), _find_scene(plan)
+    all_rows, scene_name = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
     own_s, drive = step_errors.resolving_step(plan), plan.shaken
-    cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
+    cell = tuple(row for row in all_rows if row.cell == (scene_name, tilt, restitution))
     cell = cell if any(row.share == REFERENCE_STEP_SHARE for row in cell) else ()
-    rows = [row for row in every if row.scene == (measured if cell else LANE_SCENE)]
-    measured_us = _interpolate(rows, lambda of: of[1.0].step_us, tilt, restitution)
-    harder = 1.0 if cell else measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
+    rows = [row for row in all_rows if row.scene == (scene_name if cell else LANE_SCENE)]
+    measured_us = _interpolate(rows, lambda steps: steps[1.0].step_us, tilt, restitution)
+    relative_work = 1.0 if cell else measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
     scale = drive.peak_speed / step_law.CELLS_PEAK_SPEED_MM_S
-    slower = CELLS_FREQUENCY_HZ / drive.frequency
+    period_ratio = CELLS_FREQUENCY_HZ / drive.frequency
 
     def work(step: float) -> float:
-        return harder * _interpolate(rows, lambda of: _fit_work(of, step), tilt, restitution, logarithmic=True)
+        """Return the cost of a simulated second at a step, relative to the loop's."""
+        return relative_work * _interpolate(
+            rows, lambda steps: _fit_work(steps, step), tilt, restitution, logarithmic=True
+        )
 
     return Estimate(
         drive.peak_speed,
-        scale * _interpolate(rows, lambda of: abs(of[1.0].speed_mm_s or 0.0), tilt, restitution),
-        scale**2 * slower * _interpolate(rows, _mean_variance_time, tilt, restitution, logarithmic=True),
+        scale * _interpolate(rows, lambda steps: abs(steps[1.0].speed_mm_s or 0.0), tilt, restitution),
+        scale**2 * period_ratio * _interpolate(rows, _mean_variance_time, tilt, restitution, logarithmic=True),
         work,
         1e6 * own_s,
         scene.run.discard_seconds,
@@ -151,7 +156,7 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
 
 
 def _fit_work(steps: dict[float, Row], step: float) -> float:
-    """Return the cost of a step in a cell, fitted to all rows: contacts scale with 1/step, flights are constant."""
+    """Return the cost at a step, from a cell's rows by step: contacts scale with 1/step, flights are constant."""
     shares, works = np.array(list(steps)), np.array([row.work for row in steps.values()])
     terms = np.column_stack([np.ones_like(shares), 1.0 / shares]) / works[:, None]
     flights, contacts = np.linalg.lstsq(terms, np.ones_like(works), rcond=None)[0]
@@ -159,12 +164,12 @@ def _fit_work(steps: dict[float, Row], step: float) -> float:
 
 
 def _mean_variance_time(steps: dict[float, Row]) -> float:
-    """Return the variance times time of a cell, averaged over all its steps: a variance of eight runs is uncertain."""
+    """Return the variance times time averaged over a cell's rows: that of eight runs is uncertain."""
     return float(np.mean([row.variance_time for row in steps.values()]))
 
 
 def _find_scene(plan: Plan) -> str:
-    """Return the scene of the cells that a plan has, but for its restitution; "" for others and another walker."""
+    """Return the scene of the cells that a plan has, up to restitution; "" for others and another walker."""
     paper = templates.load(machine_speed.BENCHMARK_WALKER, "walkers", Design).variant(
         tilt_deg=plan.case.design.tilt_deg
     )
@@ -180,20 +185,25 @@ def _find_scene(plan: Plan) -> str:
 
 def _interpolate(
     rows: Sequence[Row],
-    of: Callable[[dict[float, Row]], float],
+    value_of: Callable[[dict[float, Row]], float],
     tilt: float,
     restitution: float,
     logarithmic: bool = False,
 ) -> float:
-    """Interpolate between cells, linearly in tilt and the logarithm of restitution; constant beyond them."""
+    """Interpolate between cells, linearly in tilt and the logarithm of restitution; constant beyond them.
+
+    `value_of` computes the value from a cell's rows by step. `logarithmic`: its logarithm is interpolated.
+    """
     by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.rows_by_cell(rows)}
     tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 
-    def number(own_tilt: float, own_restitution: float) -> float:
-        found = of(by_cell[own_tilt, own_restitution])
-        return math.log(found) if logarithmic else found
+    def value_at(own_tilt: float, own_restitution: float) -> float:
+        value = value_of(by_cell[own_tilt, own_restitution])
+        return math.log(value) if logarithmic else value
 
     at = math.log(max(restitution, 1e-3))
-    by_tilt = [float(np.interp(at, np.log(restitutions), [number(own, one) for one in restitutions])) for own in tilts]
-    found = float(np.interp(tilt, tilts, by_tilt))
-    return math.exp(found) if logarithmic else found
+    by_tilt = [
+        float(np.interp(at, np.log(restitutions), [value_at(own, one) for one in restitutions])) for own in tilts
+    ]
+    value = float(np.interp(tilt, tilts, by_tilt))
+    return math.exp(value) if logarithmic else value

@@ -57,6 +57,7 @@ def read_rows(path: Path = CELLS_PATH) -> tuple[Row, ...]:
 
 def _parse_row(cells: dict[str, str]) -> Row:
     def number(name: str) -> float | None:
+        """Return the number of a column; None if it is blank."""
         return float(cells[name]) if cells[name] else None
 
     return Row(

@@ -51,6 +51,7 @@ def measure_cpu_per_s(loops: int = LOOP_COUNT) -> float:
 
 
 def _loop_plan() -> Plan:
+    """Return the plan of the loop that is timed."""
     design = templates.load(BENCHMARK_WALKER, "walkers", Design).variant(tilt_deg=BENCHMARK_TILT_DEG)
     scene = templates.load(BENCHMARK_SCENE, "scenes", Scene)
     walker = Walker(scene, design, solids.mass_of(design))
@@ -58,6 +59,7 @@ def _loop_plan() -> Plan:
 
 
 def _time_loop(plan: Plan) -> float:
+    """Return the CPU time of one loop, s."""
     started = time.thread_time()
     simulate(plan, 0)
     return time.thread_time() - started

@@ -83,7 +83,7 @@ def measure_observables(survey: Survey, progress: Progress) -> Ladder:
         true = finest.quantity(name)
         if _is_clear(true):
             rungs += [_observable_rung(measured, true) for measured in coarser]
-            notes.append(_note(name, abs(true.number), coarser, true))
+            notes.append(_describe_bias(name, abs(true.number), coarser, true))
     return Ladder(
         "observables",
         "Bias of every printed quantity against the step",
@@ -95,41 +95,44 @@ def measure_observables(survey: Survey, progress: Progress) -> Ladder:
     )
 
 
-def _is_clear(true: Quantity) -> bool:
-    """Return whether a true value is neither rare nor near zero."""
-    if true.value is None or true.se is None or not abs(true.value) > MIN_SIGNIFICANCE_SE * true.se:
+def _is_clear(reference: Quantity) -> bool:
+    """Return whether a reference value is neither rare nor near zero."""
+    if reference.value is None or reference.se is None or not abs(reference.value) > MIN_SIGNIFICANCE_SE * reference.se:
         return False
     shares = (f"{observables.BY_IMPULSE}.", f"{observables.BY_NUMBER}.")
-    return not (true.key.startswith(shares) and true.value < MIN_IMPACT_SHARE)
+    return not (reference.key.startswith(shares) and reference.value < MIN_IMPACT_SHARE)
 
 
-def _observable_rung(measured: StepMeasurement, true: Quantity) -> Rung:
-    """Return the rung of an observable at a step that is not the finest."""
-    assert true.value is not None
-    size, seen = abs(true.value), measured.quantity(true.key)
-    bias, error, sd = seen.minus(true), None, None
+def _observable_rung(measured: StepMeasurement, reference: Quantity) -> Rung:
+    """Return the rung of an observable at a coarser step, compared with its reference value."""
+    assert reference.value is not None
+    size, value = abs(reference.value), measured.quantity(reference.key)
+    bias, error, sd = value.minus(reference), None, None
     if bias.value is not None and bias.se is not None:
         error, sd = abs(bias.value) / size, bias.se / size
     return Rung(
-        true.key,
+        reference.key,
         f"{measured.step_us:g} us",
         error,
         sd,
         measured.cpu_per_s,
         {
             "step_us": measured.step_us,
-            "value": seen.value,
-            "se": seen.se,
-            "reference": true.value,
-            "reference_se": true.se,
-            "cpu_s_for_1_percent": measured.cpu_time_for(0.01 * size, true.key) if seen.se else None,
+            "value": value.value,
+            "se": value.se,
+            "reference": reference.value,
+            "reference_se": reference.se,
+            "cpu_s_for_1_percent": measured.cpu_time_for(0.01 * size, reference.key) if value.se else None,
         },
     )
 
 
-def _note(name: str, size: float, measurements: Sequence[StepMeasurement], true: Quantity) -> str:
-    """Describe the order of an observable's bias, and the longest step that resolves it to RESOLVED_BIAS_SHARE."""
-    biases = [(measured.step_us, measured.quantity(name).minus(true)) for measured in measurements]  # finest first
+def _describe_bias(name: str, size: float, measurements: Sequence[StepMeasurement], reference: Quantity) -> str:
+    """Describe the order of an observable's bias, and the longest step that resolves it.
+
+    Resolved: within RESOLVED_BIAS_SHARE of `size`, the modulus of its `reference`.
+    """
+    biases = [(measured.step_us, measured.quantity(name).minus(reference)) for measured in measurements]  # finest first
     certain = [(step, abs(bias.value)) for step, bias in biases if bias.value and abs(bias.value) > bias.half_width()]
     sentence = "no significant bias"
     if len(certain) >= 3:

@@ -73,15 +73,15 @@ def rows_by_cell(rows: Iterable[Row]) -> list[list[Row]]:
 @cache
 def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
     """Fit the laws of slow walkers (True) and of the others to cells whose plate has a peak speed, mm/s."""
-    every = [
+    referenced = [
         cell
         for cell in rows_by_cell(cells.read_rows() if rows is None else rows)
         if cell[0].share == REFERENCE_STEP_SHARE
     ]
-    slow: dict[bool, list[list[Row]]] = {True: [], False: []}
-    for cell in every:
-        slow[is_slow(cell[0].speed_mm_s or 0.0, peak)].append(cell)
-    return {key: _fit_law(group, peak) for key, group in slow.items() if group}
+    by_slowness: dict[bool, list[list[Row]]] = {True: [], False: []}
+    for cell in referenced:
+        by_slowness[is_slow(cell[0].speed_mm_s or 0.0, peak)].append(cell)
+    return {key: _fit_law(group, peak) for key, group in by_slowness.items() if group}
 
 
 def is_slow(speed: float, peak: float) -> bool:
@@ -90,19 +90,21 @@ def is_slow(speed: float, peak: float) -> bool:
 
 
 def _fit_law(group: Sequence[Sequence[Row]], peak: float) -> Law:
+    """Fit the law of the bias to a group of cells, given by their rows; `peak` speed of the plate, mm/s."""
     finest = [(row.se_mm_s or 0.0) / speed_scale(row.speed_mm_s or 0.0, peak) for row in (cell[0] for cell in group)]
     floor = 2.0 / math.sqrt(sum(se**-2 for se in finest))
     return Law(tuple(_fit_slope(group, peak, power) for power in STEP_POWERS), floor, len(group))
 
 
 def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope:
+    """Average the slopes of a group of cells for a power of the step, with the scatter between cells."""
     lines = [_fit_line(cell, peak, power) for cell in group]
     share, se = (np.array(column) for column in zip(*(line[:2] for line in lines), strict=True))
     weights, freedom = se**-2.0, len(lines) - 1
     mean = float(np.sum(weights * share) / np.sum(weights))
     excess = float(np.sum(weights * (share - mean) ** 2)) - freedom
-    room = float(np.sum(weights) - np.sum(weights**2) / np.sum(weights))
-    between = math.sqrt(max(excess / room, 0.0)) if freedom else 0.0
+    weight_scale = float(np.sum(weights) - np.sum(weights**2) / np.sum(weights))
+    between = math.sqrt(max(excess / weight_scale, 0.0)) if freedom else 0.0
     weights = 1.0 / (se**2 + between**2)
     mean = float(np.sum(weights * share) / np.sum(weights))
     misfit = sum(line[2] for line in lines) / max(sum(line[3] for line in lines), 1)
@@ -110,7 +112,7 @@ def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope
 
 
 def _fit_line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
-    """Fit a cell's speeds over a power of the step. Return the slope as a share, its error, chi-square and freedom."""
+    """Fit a cell's speeds over a power of the step; return slope as a share, its error, chi-square and freedom."""
     steps = np.array([row.share for row in cell]) ** power
     speeds, errors = (np.array([getattr(row, name) for row in cell]) for name in ("speed_mm_s", "se_mm_s"))
     design = np.column_stack([np.ones_like(steps), steps]) / errors[:, None]

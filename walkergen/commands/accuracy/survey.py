@@ -180,6 +180,7 @@ class Survey:
         )
 
     def _scene_with_step(self, step_us: float | None, **run: float) -> Scene:
+        """Return the scene with a step (us; None: automatic) and other settings of its `run`."""
         changed = self.scene.run.model_copy(update={"step_us": step_us, **run})
         return self.scene.model_copy(update={"run": changed})
 

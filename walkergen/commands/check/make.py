@@ -93,6 +93,7 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
 
 
 def _format_plastic(wall: Wall) -> str:
+    """Format the deviation of a wall's plastic from the mesh, percent."""
     percent = round(wall.plastic_percent)
     return f"{percent:+d} %" if percent else "as drawn"
 

@@ -29,8 +29,9 @@ class Line(NamedTuple):
     unit: str
 
 
-def _number_column(at: int) -> Column:
-    return Column("", lambda line: line.numbers[at] if at < len(line.numbers) else "", right=True)
+def _number_column(index: int) -> Column:
+    """Return the column of the numbers at an index of the lines."""
+    return Column("", lambda line: line.numbers[index] if index < len(line.numbers) else "", right=True)
 
 
 LINE_COLUMNS = (report.text_column("", "label"), *map(_number_column, range(3)), report.text_column("", "unit"))
@@ -69,6 +70,7 @@ def _facts(part: ObjectMass) -> dict[str, Any]:
 
 
 def _lines(part: ObjectMass) -> Iterator[Line]:
+    """Yield the lines of an object's mass properties."""
     for label, values, unit in (
         ("volume", np.array([part.volume_mm3]), "mm3"),
         ("mass", np.array([part.mass_g]), "g"),

@@ -91,6 +91,7 @@ def principal_axes(tensor: Array) -> tuple[Array, Array]:
 
 
 def _mass_properties(name: str, triangles: int, solid: SolidMass) -> ObjectMass:
+    """Return the mass properties of a weighed solid, with its principal axes."""
     tensor = 0.5 * (solid.tensor + solid.tensor.T)  # rounding alone makes it unequal
     volume, mass_g = float(solid.volume), float(solid.mass)
     return ObjectMass(name, triangles, volume, mass_g, solid.centre, tensor, *principal_axes(tensor))

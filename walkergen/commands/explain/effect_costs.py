@@ -83,26 +83,30 @@ def measure_costs(walker: Walker, progress: Progress) -> EffectChanges:
 
 def measure(walker: Walker, progress: Progress) -> EffectChanges:
     """Measure the change from each effect, off or on at its usual size, and the joint change from the two largest."""
-    told = _budget_progress(progress)
-    every = tuple(variants.effect_variants(walker, also_on=True))
-    alone = _measure_variants(walker, every, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), told)
-    spared, level = _select_omissions(walker, every, alone)
-    changes, joint = list(alone.changes), [_combine(walker, _largest_variants(every, alone)), _combine(walker, spared)]
+    budget_progress = _budget_progress(progress)
+    candidates = tuple(variants.effect_variants(walker, also_on=True))
+    alone = _measure_variants(walker, candidates, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), budget_progress)
+    omitted, level = _select_omissions(walker, candidates, alone)
+    changes, joint = (
+        list(alone.changes),
+        [_combine(walker, _largest_variants(candidates, alone)), _combine(walker, omitted)],
+    )
     further = tuple({variant.effect: variant for variant in joint if variant is not None}.values())
     if further:
         changes += _measure_variants(
-            walker, further, Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), told
+            walker, further, Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), budget_progress
         ).changes
-    names = {variant.effect for variant in (*spared, *joint[1:]) if variant is not None}
+    names = {variant.effect for variant in (*omitted, *joint[1:]) if variant is not None}
     leaving = [change for change in changes if change.effect in names and _is_within(walker, alone, change, level)]
     advice = _format_advice(min(leaving, key=lambda change: change.cpu.number), level) if leaving else NO_ADVICE
     return alone._replace(changes=tuple(sorted(changes, key=_change_size, reverse=True)), advice=advice)
 
 
 def _measure_variants(
-    walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, progress: Progress
+    walker: Walker, candidates: tuple[Variant, ...], until: Runs | Budget, progress: Progress
 ) -> EffectChanges:
-    measured = measuring.measure(Pairs(walker, every), until, progress)
+    """Simulate variants with common random numbers, and return their changes. Raises KeyboardInterrupt."""
+    measured = measuring.measure(Pairs(walker, candidates), until, progress)
     if measured.partial:
         raise KeyboardInterrupt
     pairs, records = measured.experiment, measured.records
@@ -113,13 +117,14 @@ def _budget_progress(progress: Progress) -> Progress:
     """Return a function that reports progress in seconds of the budget, from the first runs on."""
     started: list[float] = []
 
-    def tell(what: str, done: int, total: int) -> None:
-        if what != "runs":
-            return progress(what, done, total)
+    def report_seconds(step: str, done: int, total: int) -> None:
+        """Report elapsed seconds instead of runs; other steps unchanged."""
+        if step != "runs":
+            return progress(step, done, total)
         started.append(time.perf_counter())
         return progress("seconds", min(int(started[-1] - started[0]), int(BUDGET_S)), int(BUDGET_S))
 
-    return tell
+    return report_seconds
 
 
 def _change_size(change: Change) -> float:
@@ -127,25 +132,30 @@ def _change_size(change: Change) -> float:
     return -1.0 if change.speed.value is None else abs(change.speed.value)
 
 
-def _largest_variants(every: Sequence[Variant], alone: EffectChanges) -> list[Variant]:
+def _largest_variants(candidates: Sequence[Variant], measured: EffectChanges) -> list[Variant]:
     """Find the two variants of the model itself that change the speed most."""
-    sizes = {change.effect: _change_size(change) for change in alone.changes}
-    own = sorted((variant for variant in every if variant.values), key=lambda variant: -sizes[variant.effect])
-    return own[:2]
+    sizes = {change.effect: _change_size(change) for change in measured.changes}
+    of_model = sorted((variant for variant in candidates if variant.values), key=lambda variant: -sizes[variant.effect])
+    return of_model[:2]
 
 
-def _is_within(walker: Walker, alone: EffectChanges, change: Change, level: float) -> bool:
-    """Return whether a change is within a share of the speed, with 95 % confidence."""
-    return variants.verdict(walker, alone.speed, change, Tolerance(level, relative=True)) is Verdict.AGREE
+def _is_within(walker: Walker, measured: EffectChanges, change: Change, share: float) -> bool:
+    """Return whether a change is within a share of the measured speed, with 95 % confidence."""
+    return variants.verdict(walker, measured.speed, change, Tolerance(share, relative=True)) is Verdict.AGREE
 
 
-def _select_omissions(walker: Walker, every: Sequence[Variant], alone: EffectChanges) -> tuple[list[Variant], float]:
-    """Return variants without effects that change little and cost time, and how little; only the fastest model."""
+def _select_omissions(
+    walker: Walker, candidates: Sequence[Variant], measured: EffectChanges
+) -> tuple[list[Variant], float]:
+    """Return variants that save time and change the speed by less than a share, and this share.
+
+    Of variants of the model itself only the fastest is returned.
+    """
     for level in ADVICE_LEVELS:
         fitting = [
             (change.cpu.number, variant)
-            for variant, change in zip(every, alone.changes, strict=True)
-            if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, alone, change, level)
+            for variant, change in zip(candidates, measured.changes, strict=True)
+            if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, measured, change, level)
         ]
         if fitting:
             models = [pair for pair in fitting if not pair[1].values]
@@ -158,16 +168,17 @@ def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
     """Return the variant with all changes of several; None for fewer than two or an impossible combination."""
     if len(chosen) < 2:
         return None
-    whole: Variant | None = chosen[0]
+    combined: Variant | None = chosen[0]
     for variant in chosen[1:]:
-        whole = None if whole is None else variants.combine(walker, whole, variant)
-    return whole
+        combined = None if combined is None else variants.combine(walker, combined, variant)
+    return combined
 
 
-def _format_advice(change: Change, level: float) -> str:
-    share, faster = f"{100.0 * level:g} %", formatting.format_number(1.0 / change.cpu.number, 2)
-    told = f"the speed changes by less than {share}, {faster} times as fast"
-    return f"leave out {change.effect}: {told} (simulate ‹effects=›auto:{100.0 * level:g}%)"
+def _format_advice(change: Change, share_limit: float) -> str:
+    """Advise to leave out an effect that changes the speed by less than this share of it."""
+    share, faster = f"{100.0 * share_limit:g} %", formatting.format_number(1.0 / change.cpu.number, 2)
+    gain = f"the speed changes by less than {share}, {faster} times as fast"
+    return f"leave out {change.effect}: {gain} (simulate ‹effects=›auto:{100.0 * share_limit:g}%)"
 
 
 def table(measured: EffectChanges) -> Table:

@@ -136,9 +136,9 @@ def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
     return [key, *(f"{name}: {value}" for name, value in simple.lines)]
 
 
-def _facts(rows: Sequence[dict[str, object]], found: EffectChanges | None) -> dict[str, object]:
+def _facts(rows: Sequence[dict[str, object]], measured: EffectChanges | None) -> dict[str, object]:
     facts: dict[str, object] = {"rows": rows}
-    if found is not None:
-        facts |= {"measured": list(measuring.table(found)), "runs": found.pairs}
-        facts |= {"speed_mm_s": found.speed.value, "advice": found.advice}
+    if measured is not None:
+        facts |= {"measured": list(measuring.table(measured)), "runs": measured.pairs}
+        facts |= {"speed_mm_s": measured.speed.value, "advice": measured.advice}
     return facts

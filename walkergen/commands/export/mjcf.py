@@ -101,7 +101,7 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
 
 
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
-    """Yield meshes by name: free legs with their anchor as origin, the body and other legs with C."""
+    """Yield meshes by name: a free leg relative to its anchor, the body and other legs relative to C."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*to_centre_frame(design.limbs, mass, np.zeros(2)), -half]) + O
     yield "body", _to_mujoco_frame(built._replace(walker=built.body).seen, middle)
@@ -164,18 +164,21 @@ def _format_model(name: str, plan: Plan) -> str:
 """
 
 
-def _leg_body(number: int, called: str, mass: MassProperties, walker: Walker, place: int) -> str:
-    """Write the MJCF of a free leg on its hinge, with the corners of its foot."""
-    leg, row = mass.legs[place], int(np.flatnonzero(walker.leg == number)[0])
+def _leg_body(free_index: int, name: str, mass: MassProperties, walker: Walker, index: int) -> str:
+    """Write the MJCF of a free leg on its hinge, with the corners of its foot.
+
+    `free_index` counts free legs, `index` all legs.
+    """
+    leg, row = mass.legs[index], int(np.flatnonzero(walker.leg == free_index)[0])
     assert leg.tensor is not None
     centre = np.array([*leg.c_A, leg.across - walker.centre[2] - walker.root[row, 2]])
     return f"""
-      <body name="{called}" pos="{_format_point(walker.root[row])}">
-        <joint name="{called}" type="hinge" axis="{_format_point(np.array([0.0, 0.0, 1.0]))}"
-          stiffness="{float(walker.stiffness[number])!r}"
-          damping="{float(walker.damping[number])!r}"/>
-        {_inertial(centre, float(leg.m), leg.tensor)}{_visual_geoms([called])}
-        {_corner_geoms(walker, number)}
+      <body name="{name}" pos="{_format_point(walker.root[row])}">
+        <joint name="{name}" type="hinge" axis="{_format_point(np.array([0.0, 0.0, 1.0]))}"
+          stiffness="{float(walker.stiffness[free_index])!r}"
+          damping="{float(walker.damping[free_index])!r}"/>
+        {_inertial(centre, float(leg.m), leg.tensor)}{_visual_geoms([name])}
+        {_corner_geoms(walker, free_index)}
       </body>"""
 
 
@@ -199,7 +202,7 @@ def _corner_geoms(walker: Walker, leg: int) -> str:
 
 
 def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
-    """Write the MJCF of the plate on its spring, with a lid or with walls of double the height of the body's middle."""
+    """Write the MJCF of the plate on its spring, with a lid or with walls twice as high as the body's middle."""
     place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
     for side in (-1, 1) if place > 0.0 else ():
         walls += f"""
@@ -220,9 +223,9 @@ def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
 
 
 def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: Array) -> str:
-    """Return the contact pairs, as MJCF: corners with the plate, and the body's points with both walls or with a lid.
+    """Return the contact pairs, as MJCF: corners with the plate, the body's points with walls or a lid.
 
-    `springs` holds the stiffness of the contacts, shape (k,), g/s^2.
+    `free`: indices of free legs. `springs`: stiffness of the contacts, shape (k,), g/s^2.
     """
     H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
     pairs = ""
@@ -242,7 +245,7 @@ def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], sp
 def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -> Array:
     """Compute the inverse mass (1/g) of each contact's body as MuJoCo has it, shape (k,).
 
-    It is the mean over three directions at the body's own centre of mass.
+    It is the mean over three directions at the body's own centre of mass. `free`: indices of free legs.
     """
     root, reach, side = walker.root.copy(), 0.0 * walker.reach, 0.0 * walker.side
     for k, number in enumerate(walker.leg):
@@ -256,12 +259,14 @@ def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -
 
 
 def _inertial(centre: Array, mass: float, tensor: Array) -> str:
+    """Write the MJCF of a mass (g) with its centre (mm) and inertia tensor (g mm^2) in our frame."""
     tensor = TO_MUJOCO @ tensor @ TO_MUJOCO.T
     entries = _format_numbers(*(tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))))
     return f'<inertial pos="{_format_point(centre)}" mass="{mass!r}"\n          fullinertia="{entries}"/>'
 
 
 def _visual_geoms(parts: Sequence[str]) -> str:
+    """Write the MJCF of meshes that are only shown."""
     return "".join(
         f'''
         <geom type="mesh" mesh="{part}" mass="0" contype="0" conaffinity="0" group="1"/>'''
@@ -270,6 +275,7 @@ def _visual_geoms(parts: Sequence[str]) -> str:
 
 
 def _format_point(place: Array) -> str:
+    """Format a point of our frame in MuJoCo's."""
     return _format_numbers(*(TO_MUJOCO @ place))
 
 

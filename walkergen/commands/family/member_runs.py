@@ -29,7 +29,7 @@ def simulate_members(scene: Scene, members: Sequence[Member], progress: Progress
 
 
 def verdict(row: Prediction, speed: Quantity) -> str:
-    """Say whether the bounds of 95 % of the runs meet those of 68 % of the prediction.
+    """Describe whether the bounds of 95 % of the runs meet those of 68 % of the prediction.
 
     Speeds within AGREEMENT_MM_S agree.
     """

@@ -66,6 +66,7 @@ def render(parts: Sequence[Part], files: Mapping[str, bytes], facts: Mapping[str
 
 
 def _decode(files: Mapping[str, bytes], name: str) -> str:
+    """Return the text of a file."""
     return files[name].decode("utf-8", "replace")
 
 

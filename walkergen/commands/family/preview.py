@@ -185,8 +185,8 @@ class _View(NamedTuple):
 def _project_part(part: Part, at: Array) -> _View:
     """Project a part at a point for the painter's algorithm without back faces: exact enough for a prism.
 
-    Legs are drawn before a body with a flat underside, because from above they hide no part of it. The
-    upper side of the body is drawn last.
+    Legs are drawn before a body with a flat underside, because from above they hide no part of it. The upper side of
+    the body is drawn last.
     """
     standing = _triangles(part)
     corners = standing @ part.view.T
@@ -194,14 +194,14 @@ def _project_part(part: Part, at: Array) -> _View:
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     facing = normals[:, 2] > 0
     corners, normals = corners[facing], normals[facing]
-    storey = np.zeros(len(corners))
+    layer = np.zeros(len(corners))
     if part.design.body.flat or part.design.body.plain:
         half = 0.5 * part.design.size.thickness - ROUNDING_MM
         lowest = standing[facing][:, :, 1].min(axis=1)
-        storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
-    order = np.lexsort([corners[:, :, 2].mean(axis=1), storey])
-    borne = [*(mesh.vertices for mesh in part.carried.values()), *(part.cap or ())[:1]]
-    seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in borne)])
+        layer = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
+    order = np.lexsort([corners[:, :, 2].mean(axis=1), layer])
+    attached = [*(mesh.vertices for mesh in part.carried.values()), *(part.cap or ())[:1]]
+    seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in attached)])
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT_DIRECTION, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(LEG_COLOURS[part.design.kind]), 0.0, 1.0)[order]

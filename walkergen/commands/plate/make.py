@@ -204,12 +204,12 @@ def _report(
         lines=lines,
         places=rows,
         files=files,
-        tables=[Table("plates", list(_loads(rows)), (), columns)],
+        tables=[Table("plates", list(_copies_by_plate(rows)), (), columns)],
         facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
     )
 
 
-def _loads(rows: Sequence[Place]) -> Iterator[Load]:
+def _copies_by_plate(rows: Sequence[Place]) -> Iterator[Load]:
     """Yield the number of copies of each walker on each plate, one row each."""
     marks: dict[tuple[str, int, str], list[str]] = {}
     for row in rows:
@@ -229,10 +229,10 @@ def number_copies(
     if serial is None:
         return members, copies
     packing.check_part_count(sum(copies))
-    every = [design for design, count in zip(members, copies, strict=True) for _ in range(count)]
+    designs = [design for design, count in zip(members, copies, strict=True) for _ in range(count)]
     numbered = [
         replace_values(design, _number_settings(design, number), design.name)
-        for number, design in enumerate(every, start=serial)
+        for number, design in enumerate(designs, start=serial)
     ]
     return numbered, [1] * len(numbered)
 
@@ -244,7 +244,7 @@ def _number_settings(design: Design, number: int) -> dict[str, int]:
 
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
-    """Return facts for a printer's manifest: resolved inputs, findings, software versions."""
+    """Return the facts of a printer's manifest: resolved inputs, findings, software versions."""
     by_name = names.group_by_design(layout.members)
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.

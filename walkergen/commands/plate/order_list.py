@@ -68,18 +68,19 @@ class _DesignCache:
         (member,) = design.members([tilt], [kind or design.kind])
         return member
 
-    def _load_design(self, word: str, line: int) -> Design:
-        if not word:
+    def _load_design(self, entry: str, line: int) -> Design:
+        """Return the design of an entry (template or path) on a line of the list. Raises InputError."""
+        if not entry:
             raise InputError(
                 "design is blank. Enter the name of a template or the path of a TOML file, or remove the row."
             )
-        if word not in self.read:
-            self.read[word] = templates.load(word, "walkers", Design, self.folder)
-        design = self.read[word]
-        at, first = self.first.setdefault(design.name.casefold(), (line, design))
+        if entry not in self.read:
+            self.read[entry] = templates.load(entry, "walkers", Design, self.folder)
+        design = self.read[entry]
+        first_line, first = self.first.setdefault(design.name.casefold(), (line, design))
         if first != design:
             raise InputError(
-                f"design {word[:80]!r} is called {design.name}, and line {at} has another design "
+                f"design {entry[:80]!r} is called {design.name}, and line {first_line} has another design "
                 f"called {first.name}. Change the key `name` of one of them."
             )
         return design

@@ -103,7 +103,7 @@ def _check_listed_legs() -> Iterator[Check]:
 
 
 def _check_no_friction() -> Iterator[Check]:
-    """Check that own frictions of 0 leave the scene's without effect."""
+    """Check that legs with own frictions of 0 feel no friction from the scene."""
     yield check_constant_velocity(_plan(_design([leg | {"friction": 0.0} for leg in THREE_LEGS])), RUN_S)
 
 

@@ -79,5 +79,5 @@ def run_case(case: Case) -> Result:
 
 
 def check_fact(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:
-    """Check of a fact: value 0 when it holds, else 1; limit 0."""
+    """Return the check of a fact: value 0 when it holds, else 1; limit 0."""
     return Check(what, 0.0 if holds else 1.0, 0.0, reason)

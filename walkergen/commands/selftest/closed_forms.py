@@ -27,7 +27,7 @@ def rectangle(length: float, height: float) -> Shape:
 
 
 def leg(design: Design) -> Shape:
-    """Return the shape of a leg without brace, its anchor at the origin, a round foot a true half circle."""
+    """Return the shape of a leg without brace. Its anchor is the origin; a round foot is an exact half circle."""
     s, foot = design.limbs[0].thickness, design.limbs[0].foot
     k, r = -math.tan(design.limbs[0].tilt), 0.5 * s
     side = design.limbs[0].length - (r if foot == "round" else 0.0)
@@ -46,7 +46,7 @@ def leg(design: Design) -> Shape:
 
 
 def polygon_deficit(design: Design, segments: int) -> Shape:
-    """Return a round foot's half circle minus its polygon, to leading order in its edges.
+    """Return a round foot's half circle minus its polygon with `segments` edges, to leading order.
 
     The deficit is uniform along the arc, whose mean lies 2 r / pi from the circle's middle. Zero for other feet.
     """
@@ -67,7 +67,7 @@ def subtract_part(whole: Shape, part: Shape) -> Shape:
 
 
 def _to_walker_axes(design: Design, u: float, v: float) -> tuple[float, float]:
-    """Transform a position along and across a leg to the walker's directions."""
+    """Transform a position along (u) and across (v) a leg to the walker's x and y."""
     sin, cos = math.sin(design.limbs[0].tilt), math.cos(design.limbs[0].tilt)
     return cos * v - sin * u, -sin * v - cos * u
 

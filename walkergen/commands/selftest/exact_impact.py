@@ -12,7 +12,10 @@ Tensor = tuple[float, float, float]
 def resolve_impact(
     H: Tensor, velocity: tuple[float, float], restitution: float, friction: float
 ) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """Return impulse (F_x, F_y) and velocity (v_x, v_y) after an impact by Poisson's law."""
+    """Return impulse (F_x, F_y) and velocity (v_x, v_y) after an impact by Poisson's law.
+
+    `H`: inverse mass (xx, xy, yy). `velocity`: (v_x, v_y) before the impact.
+    """
     xx, xy, yy = (Fraction(entry) for entry in H)
     v_x, v_y = (Fraction(component) for component in velocity)
     e, mu = Fraction(restitution), Fraction(friction)
@@ -39,7 +42,7 @@ def resolve_impact(
 
 
 def _impulse_ratio(xx: Fraction, xy: Fraction, v_x: Fraction, mu: Fraction) -> Fraction:
-    """Return the ratio F_x / F_y. Friction opposes the slip; at rest it is as large as necessary, up to its limit."""
+    """Return F_x / F_y from inverse masses and slip. Friction opposes slip; at rest it is as large as necessary."""
     if v_x != 0:
         return -mu if v_x > 0 else mu
     if abs(xy) <= mu * xx:

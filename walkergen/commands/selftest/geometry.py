@@ -22,6 +22,7 @@ POLYGON_REASON = "a round foot is a polygon: what its edges cut off to leading o
 
 
 def _design(body: dict[str, Any] | None = None, **legs: Any) -> Design:
+    """Make a design from its tables `body` and `legs`."""
     return Design.model_validate({"body": body or {}, "legs": legs})
 
 
@@ -30,6 +31,7 @@ def _name(design: Design) -> str:
 
 
 def _check_relative(what: str, value: float, expected: float, limit: float, reason: str) -> Check:
+    """Check the relative deviation of a value from the expected one."""
     return Check(what, abs(value - expected) / abs(expected), limit, reason)
 
 
@@ -94,12 +96,16 @@ def _check_sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterat
 
 
 def _check_all_sound(designs: Iterator[Design]) -> Iterator[Check]:
+    """Check that each design is one closed body with the expected volume and inertia."""
     for design in designs:
         yield from _check_sound(design)
 
 
 def _check_refused_design(what: str, word: str, body: dict[str, Any] | None = None, **legs: Any) -> Check:
-    """Check a refusal: its text names the field that sets the limit, and the problem."""
+    """Check that a design is refused by a text that begins with legs.tilt_deg and contains `word`.
+
+    `what` names the case.
+    """
     try:
         _design(body, **legs)
     except GeometryError as error:
@@ -109,6 +115,7 @@ def _check_refused_design(what: str, word: str, body: dict[str, Any] | None = No
 
 
 def _check_thin_legs() -> Iterator[Check]:
+    """Check designs with legs of 0.05 mm."""
     thin: dict[str, Any] = {f"{part}_thickness_mm": 0.05 for part in ("flexible", "braced")}
     thin["brace_thickness_mm"] = 0.03
     combinations = itertools.product(KINDS, FEET, (0.0, 10.0, -45.0))
@@ -116,6 +123,7 @@ def _check_thin_legs() -> Iterator[Check]:
 
 
 def _check_thick_legs() -> Iterator[Check]:
+    """Check designs with legs of 5 mm, thicker than their bodies."""
     thick = {"flexible_thickness_mm": 5.0, "braced_thickness_mm": 5.0}
     combinations = itertools.product(KINDS, FEET, (0.0, 10.0, -30.0), (3.0, 0.05))
     return _check_all_sound(
@@ -202,6 +210,7 @@ def _check_refusals() -> Iterator[Check]:
 
 
 def _scale_design(design: Design, scale: float) -> Design:
+    """Return a design with all lengths multiplied by `scale`."""
     data = design.model_dump(include={"body", "legs"}, exclude_none=True)
     for table in data.values():
         table.update({key: scale * v for key, v in table.items() if key.endswith("_mm")})
@@ -209,6 +218,7 @@ def _scale_design(design: Design, scale: float) -> Design:
 
 
 def _check_scaling() -> Iterator[Check]:
+    """Check designs a thousand times smaller and larger: masses go as l^3, inertias as l^5."""
     for kind, foot, scale in itertools.product(KINDS, FEET, (1e-3, 1e3)):
         design = _design(kind=kind, foot=foot)
         scaled = _scale_design(design, scale)
@@ -256,6 +266,7 @@ def _check_round_feet() -> Iterator[Check]:
 
 
 def _check_mirror_image() -> Iterator[Check]:
+    """Check that opposite tilts give mirrored volume, inertia and centre."""
     for kind, foot, tilt in itertools.product(KINDS, FEET, (1e-12, 17.0, 60.0)):
         pair = [_design(kind=kind, foot=foot, tilt_deg=sign * tilt) for sign in (1.0, -1.0)]
         left, right = (mass.weigh(solids.build(design).walker, 1.0) for design in pair)

@@ -18,7 +18,10 @@ ROUNDING_REASON = "rounding of some ten operations, times the tensor's condition
 
 
 def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact_impact.Tensor, tuple[float, float], float, float]]:
-    """Yield random tensors of condition up to 1e4, with any sliding speed and all e and mu including both ends."""
+    """Yield random impacts: inverse mass (xx, xy, yy), velocity (x, y), restitution e and friction mu.
+
+    Conditions are up to 1e4, sliding speeds any, and e and mu include both ends.
+    """
     rng = np.random.default_rng(seed)
     for _ in range(count):
         root = rng.normal(size=(2, 2))
@@ -32,7 +35,7 @@ def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact_impact.Tensor
 
 
 def _relative_error(impact: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
-    """Return the largest difference from the exact impact, relative to impulse and speed."""
+    """Return the largest difference from the exact impact (F_x, F_y, v_x, v_y), over impulse and speed."""
     F_x, F_y, v_x, v_y = expected
     impulse = float(max(abs(F_x), F_y))
     return max(
@@ -44,6 +47,7 @@ def _relative_error(impact: Impact, expected: tuple[Fraction, ...], speed_before
 
 
 def _check_against_exact() -> Iterator[Check]:
+    """Check 400 random impacts against exact rational arithmetic."""
     worst, kinds = 0.0, set()
     for H, v, e, mu in _random_impacts(400, seed=1):
         impact = resolve(H, v, e, mu)
@@ -57,6 +61,7 @@ def _check_against_exact() -> Iterator[Check]:
 
 
 def _check_no_friction() -> Iterator[Check]:
+    """Check that impacts without friction have no horizontal impulse."""
     sideways = 0.0
     for H, v, e, _ in _random_impacts(200, seed=5):
         sideways = max(sideways, abs(resolve(H, v, e, 0.0).F_x))
@@ -134,6 +139,7 @@ def _check_singular_tensor() -> Iterator[Check]:
 
 
 def _check_energy() -> Iterator[Check]:
+    """Check that random impacts gain no energy."""
     for e, count, seed in ((1.0, 600, 3), (0.0, 200, 4)):
         gain = 0.0
         for H, v, _, mu in _random_impacts(count, seed):
@@ -178,6 +184,7 @@ def _check_upright_walker() -> Iterator[Check]:
 
 
 def _check_mirror_image() -> Iterator[Check]:
+    """Check that mirrored impacts give the mirrored impulse and velocity."""
     worst = 0.0
     for (xx, xy, yy), (v_x, v_y), e, mu in _random_impacts(300, seed=6):
         out = resolve((xx, xy, yy), (v_x, v_y), e, mu)

@@ -33,9 +33,10 @@ def select_cases(only: str | None) -> list[Case]:
 
 
 def _is_selected(case: Case, only: str) -> bool:
+    """Return whether a case has the section or name `only`."""
     word = only.strip().lower()
-    below = case.section == word or case.section.startswith(f"{word}.")
-    return bool(word) and (below or word in case.name.lower())
+    in_section = case.section == word or case.section.startswith(f"{word}.")
+    return bool(word) and (in_section or word in case.name.lower())
 
 
 def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], bool]:
@@ -43,9 +44,9 @@ def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], 
     results: dict[int, Result] = {}
     progress("kernels", 0, len(cases))
     workers = min(measure.core_count(), len(cases))
-    alone = ((index, run_case(case)) for index, case in enumerate(cases))
+    in_turn = ((index, run_case(case)) for index, case in enumerate(cases))
     try:
-        for index, result in alone if workers == 1 else _run_in_processes(cases, workers):
+        for index, result in in_turn if workers == 1 else _run_in_processes(cases, workers):
             results[index] = result
             progress(result.case, len(results), len(cases))
     except KeyboardInterrupt:
@@ -68,5 +69,6 @@ def _run_in_processes(cases: Sequence[Case], workers: int) -> Iterator[tuple[int
 
 
 def _run_named(name: str) -> Result:
+    """Run the case of a name: names can be sent to other processes."""
     (case,) = [case for case in catalogue.CASES if case.name == name]
     return run_case(case)

@@ -18,20 +18,21 @@ CYLINDER_SIDES = 250_000
 UP = np.array([0.0, 1.0, 0.0])
 
 
-def _cylinder(sections: int, radius: float, height: float) -> Mesh:
-    """Return a cylinder along z. Its lids are fans of slivers."""
-    angles = 2.0 * math.pi * np.arange(sections) / sections
-    rim = radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(sections)])
+def _cylinder(side_count: int, radius: float, height: float) -> Mesh:
+    """Return a cylinder along z with flat sides (lengths in mm). Its lids are fans of slivers."""
+    angles = 2.0 * math.pi * np.arange(side_count) / side_count
+    rim = radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(side_count)])
     up = np.array([0.0, 0.0, height])
-    i = np.arange(sections)
-    j = (i + 1) % sections
-    below, above = np.full(sections, 2 * sections), np.full(sections, 2 * sections + 1)
-    a, b = sections + i, sections + j
+    i = np.arange(side_count)
+    j = (i + 1) % side_count
+    below, above = np.full(side_count, 2 * side_count), np.full(side_count, 2 * side_count + 1)
+    a, b = side_count + i, side_count + j
     sides = [(j, i, below), (a, b, above), (i, j, b), (i, b, a)]
     return Mesh(np.vstack([rim, rim + up, np.zeros(3), up]), np.concatenate([np.column_stack(side) for side in sides]))
 
 
 def _check_slivers() -> Iterator[Check]:
+    """Check the mass properties of a cylinder of a million slivers."""
     radius, height = 11.0, 2.0
     turn = 2.0 * math.pi / CYLINDER_SIDES
     area = 0.5 * CYLINDER_SIDES * radius**2 * math.sin(turn)
@@ -47,10 +48,10 @@ def _check_slivers() -> Iterator[Check]:
     yield Check("centre, mm", off, 1e-12 * radius, reason)
 
 
-def _box(size: tuple[float, float, float], place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:
+def _box(size: tuple[float, float, float], middle: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:
     """Return a box of a length, height and depth (mm) with its middle at a position."""
     length, height, depth = size
-    return joining.leg_prism(np.array(place) - 0.5 * height * UP, UP, length, depth, height)
+    return joining.leg_prism(np.array(middle) - 0.5 * height * UP, UP, length, depth, height)
 
 
 def _extents(mesh: Mesh) -> list[Fraction]:
@@ -60,7 +61,7 @@ def _extents(mesh: Mesh) -> list[Fraction]:
 
 
 def _check_thin_walls() -> Iterator[Check]:
-    """Check a box with a cavity that leaves walls of 1e-9 mm: its difference of two boxes' moments."""
+    """Check a box with a cavity that leaves walls down to 1e-9 mm against the difference of two boxes."""
     for wall in (1e-3, 1e-6, 1e-9):
         outer = _box((20.0, 6.0, 8.0))
         inner = _box((20.0 - 2.0 * wall, 6.0 - 2.0 * wall, 8.0 - 2.0 * wall))

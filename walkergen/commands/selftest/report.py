@@ -46,7 +46,7 @@ def _margin_factor(check: Check) -> float:
 
 
 def _facts(result: Result) -> dict[str, Any]:
-    """Return a case for JSON. Values that are not finite become null."""
+    """Return a result for JSON. Values that are not finite become null."""
     checks = [
         check._asdict()
         | {"value": _finite_or_none(check.value), "limit": _finite_or_none(check.limit), "holds": check.holds}

@@ -43,7 +43,8 @@ def paper_design(tilt_deg: float) -> Design:
 def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
     """Return the masses of a box on thin uniform legs, without mass if braced.
 
-    The inertia across the run is that of the same box and of strips without thickness.
+    `leg_mass` (g) replaces that of a flexible leg. The inertia across the run is that of the same box and of strips
+    without thickness.
     """
     length, thickness, depth = design.size
     density = 1e-3 * design.material.density_g_cm3
@@ -56,13 +57,14 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
 
 
 def _uniform_leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
+    """Return the mass properties of a thin uniform leg; `density` in g/mm^3, `leg_mass` (g) replaces its mass."""
     m = density * limb.length * limb.thickness * limb.width
     m = 0.0 if limb.rigid else (m if leg_mass is None else leg_mass)
     c = 0.5 * np.array(limb.anchor_to_foot)
     along = c / np.hypot(*c)
-    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2
-    place += np.diag([0, 0, limb.width**2])
-    strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
+    second_moment = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2
+    second_moment += np.diag([0, 0, limb.width**2])
+    strip = m / 12.0 * (np.trace(second_moment) * np.eye(3) - second_moment)
     anchor, inertia = np.array(limb.anchor), m * limb.length**2 / 12.0
     return LegMass(m, inertia, anchor, c, c, limb.across, strip)
 
@@ -76,7 +78,7 @@ def paper_plan(tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: 
 def scaled_paper_plan(scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
     """Return the plan of the paper's walker at 1.8 g, with lengths x s and times x sqrt(s).
 
-    Young's moduli x s keep the springs similar; s is `scale`.
+    Young's moduli x s keep the springs similar; s is `scale`. `run` and `tables` are of the scene.
     """
     one = paper_design(10.0)
     lengths = {
@@ -95,7 +97,7 @@ def scaled_paper_plan(scale: float, run: Mapping[str, float] | None = None, **ta
 
 
 def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:
-    """Advance `state` in place. Return how it ended, and the record."""
+    """Advance `state` in place by `seconds`. Return how it ended, and the record."""
     tally = record.new_tally(len(state))
     status = plan.advance(state, seconds, tally)
     return (Outcome.OK if status == OK else STATUS_OUTCOMES[status]), tally

@@ -42,15 +42,17 @@ CONE_CUT_LIMIT = (
 
 
 def _check_no_friction() -> Iterator[Check]:
+    """Check that feet without friction do not push along the plate."""
     plan = space_plan(drive=paper_drive(1.8), contact={"friction": 0.0, "restitution": 0.5})
     yield check_constant_velocity(plan, RUN_S)
 
 
 def _check_friction() -> Iterator[Check]:
+    """Check motions at several tilts, frictions and restitutions, up to jamming."""
     for tilt, friction in ((10.0, 0.23), (10.0, 0.3), (10.0, 1e3), (20.0, 0.3), (35.0, 1.0)):
-        for label in (0.02, 0.5, 1.0):
-            plan = space_plan(tilt, drive=paper_drive(1.8), contact={"friction": friction, "restitution": label})
-            title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
+        for restitution in (0.02, 0.5, 1.0):
+            plan = space_plan(tilt, drive=paper_drive(1.8), contact={"friction": friction, "restitution": restitution})
+            title = f"{tilt:g} deg, mu = {friction:g}, e = {restitution:g}"
             yield from check_space_motion(
                 plan, moving_start(plan), RUN_S, title, CONE_CUT_LIMIT if friction > 1.0 else ENERGY_LIMIT
             )
@@ -102,9 +104,9 @@ def _check_lossless_bounces() -> Iterator[Check]:
 
 
 def _energy_changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
-    """Return the relative change of energy over the bounces of ten different drops, and the landings of each.
+    """Return the relative change of energy in the bounces of ten drops, and the landings of each.
 
-    Energies count from the standing walker.
+    `tilt` in deg. Energies count from the standing walker.
     """
     plan = space_plan(
         tilt,
@@ -124,6 +126,7 @@ def _energy_changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
 
 
 def _check_stiffness() -> Iterator[Check]:
+    """Check motions on feet a hundred times softer and stiffer, and rigid ones."""
     tips: dict[str, dict[str, Any]] = {
         "tips a hundred times softer": {"plate": {"youngs_modulus_gpa": 0.0167}},
         "tips a hundred times stiffer": {"feet": {"tip_radius_um": 5e4}},
@@ -177,11 +180,11 @@ def _check_frozen_joints() -> Iterator[Check]:
 
 def _check_wall_and_plate() -> Iterator[Check]:
     """Check edges that touch a wall and feet that touch the plate in the same step."""
-    for label in (0.02, 0.5, 1.0):
+    for restitution in (0.02, 0.5, 1.0):
         plan = space_plan(
             drive=STILL_DRIVE,
-            arena={"kind": "lane", "gap_mm": LANE_GAP_MM, "wall_restitution": label},
-            contact={"restitution": label},
+            arena={"kind": "lane", "gap_mm": LANE_GAP_MM, "wall_restitution": restitution},
+            contact={"restitution": restitution},
         )
         state = plan.initial_state(0.0, 0.0, 0.0)
         state[C_Z] = 0.25
@@ -190,16 +193,16 @@ def _check_wall_and_plate() -> Iterator[Check]:
         touched = state.copy()
         advance(plan, touched, FIRST_TOUCH_S)
         pushed = bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0 - GRAVITY * FIRST_TOUCH_S)
-        yield check_fact(f"e = {label:g}: wall and plate push at once", pushed)
-        title = f"e = {label:g}: both walls, alike, mm"
+        yield check_fact(f"e = {restitution:g}: wall and plate push at once", pushed)
+        title = f"e = {restitution:g}: both walls, alike, mm"
         direct = state.copy()
         advance(plan, direct, 1e-3)
         advance(plan, other, 1e-3)
         yield Check(title, max_pose_difference(mirror_image(direct), other), 1e-9, "rounding, grown by landings")
-        yield from check_space_motion(plan, state, RUN_S, f"e = {label:g}", ENERGY_LIMIT)
+        yield from check_space_motion(plan, state, RUN_S, f"e = {restitution:g}", ENERGY_LIMIT)
         play = 0.5 * (LANE_GAP_MM - plan.case.design.size.depth)
         yield Check(
-            f"e = {label:g}: middle of the walker beyond its play between the walls, mm",
+            f"e = {restitution:g}: middle of the walker beyond its play between the walls, mm",
             max(abs(float(state[C_Z])) - play, 0.0),
             max_compression(plan, math.hypot(10.0, 20.0, 30.0)),
             "all of the walker on one corner against a wall, at the speed of its start",

@@ -51,6 +51,7 @@ CONTACTS = (
 
 
 def _check_images() -> Iterator[Check]:
+    """Check that a mirrored or turned start gives the mirrored or turned motion."""
     for contact in CONTACTS:
         plan = space_plan(drive=paper_drive(1.8), contact=contact)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
@@ -73,10 +74,10 @@ def _check_planar_motion() -> Iterator[Check]:
             state = plan.initial_state(0.05, 4e-3, 1.0)
             state[[V_X, W_Z]] = 12.0, 0.7
             advance(plan, state, FIRST_LANDING_S if free else 0.2)
-            out = float(np.abs(state[[SHOWN_Y, HEADING, ROLL, C_Z]]).max())
+            deviation = float(np.abs(state[[SHOWN_Y, HEADING, ROLL, C_Z]]).max())
             yield Check(
                 f"{title}: out of its plane, {'free' if free else 'held'}",
-                out,
+                deviation,
                 1e-9 if free else 0.0,
                 ROUNDING_REASON if free else "exact: nothing moves it across",
             )
@@ -180,6 +181,7 @@ def _check_scaling() -> Iterator[Check]:
 
 
 def _check_upright_walker() -> Iterator[Check]:
+    """Check that the mean speed of an upright walker is 0 within its error."""
     runs = {"seconds": 2.0, "discard_seconds": 0.5}
     plan = paper_plan(0.0, drive=paper_drive(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
     results = [simulate(plan, number) for number in range(8)]

@@ -107,6 +107,7 @@ def _advance_awake(plan: Plan, state: Array, seconds: float) -> None:
 
 
 def _check_standing() -> Iterator[Check]:
+    """Check that standing walkers do not creep, on even feet and with one raised corner."""
     for tilt in (0.0, 10.0, 20.0, 35.0):
         for height in (0.0, RAISED_CORNER_MM):
             plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
@@ -149,6 +150,7 @@ def _check_long_rest() -> Iterator[Check]:
 
 
 def _check_righting() -> Iterator[Check]:
+    """Check that a walker rights itself or topples, let go just inside and beyond the edge of its feet."""
     for tilt in (0.0, 10.0):
         plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
         # It topples where C stands over the edge of its feet

@@ -38,12 +38,12 @@ SETTLING_S = 1.0
 
 
 def space_plan(tilt_deg: float = 10.0, **tables: Any) -> Plan:
-    """Make the plan of the paper's walker in space, on a plane unless the tables specify otherwise."""
+    """Make the plan of the paper's walker in space, on a plane unless `tables` of the scene differ."""
     return paper_plan(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 
 
 def moving_start(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
-    """Return the state of a drop with everything moving."""
+    """Return the state of a walker with a `roll` (rad), dropped from `gap` mm with everything moving."""
     state = plan.initial_state(gap, 4e-3, 1.0, roll)
     state[[V_X, V_Z, W_X, W_Y, W_Z]] = 12.0, 3.0, 0.5, 0.3, 0.7
     return state
@@ -84,9 +84,9 @@ def max_pose_difference(a: Array, b: Array) -> float:
 def max_compression(plan: Plan, speed: float) -> float:
     """Return an upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
 
-    The whole walker lands on one corner. Its leg and its tip each take all of the energy, and the most that the weight
-    gains on the other, half of m g sag or 0.6 of it. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before
-    d = (1.25 m v^2 / K)^0.4 + (2.5 m g / K)^(2/3). Other corners, hinges and dampers take their part.
+    The whole walker lands on one corner. Its leg and its tip each take all of the energy, and the weight's work on the
+    other: half of m g sag for a leg, 0.6 of it for a tip. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before d
+    = (1.25 m v^2 / K)^0.4 + (2.5 m g / K)^(2/3). Other corners, hinges and dampers take their part.
     """
     walker, on_plate = plan.world.walker, plan.world.walker.place == 0.0
     k, tip = float(walker.spring[on_plate].min()), float(walker.tip[on_plate].min())
@@ -119,7 +119,7 @@ def check_constant_velocity(plan: Plan, seconds: float) -> Check:
 
 
 def check_space_motion(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
-    """Return the checks of `endures` for a motion in space, with the depth that its fall explains."""
+    """Yield the checks of `check_motion` for a motion in space, with the foot's depth that its fall explains."""
     fallen = max(plan.energy(state) - plan.energy(plan.initial_state(0.0, 0.0, 0.0)), 0.0)
     speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
     reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"

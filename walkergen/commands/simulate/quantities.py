@@ -41,10 +41,7 @@ MOTOR_POWER_NAMES = {"from_plate": "from_motor", f"{observables.POWERS}.from_pla
 
 
 def rename_motor_power(data: Any, scene: Scene) -> Any:
-    """Rename power as the motor's in data or a name, if a motor drives.
-
-    The tally's row of the plate's work holds a motor's.
-    """
+    """Rename `from_plate` to `from_motor` in a name or nested data, if a motor drives the walker."""
     if scene.drive.kind == "plate":
         return data
     if isinstance(data, Mapping):
@@ -145,7 +142,7 @@ def format_contact(scene: Scene) -> str:
 
 
 def contact_as_dict(scene: Scene) -> dict[str, Any]:
-    """Return the same for JSON."""
+    """Return the assumptions on the contact for JSON."""
     radius, contact = None if scene.feet.rigid_tips else scene.feet.tip_radius_um, scene.contact
     return {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
 

@@ -210,6 +210,7 @@ def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
 
 
 def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
+    """Yield the name and value of each line of the summary."""
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     yield scene.drive.kind, numbers.format_drive(scene)

@@ -56,12 +56,12 @@ def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str
     return stream.getvalue()
 
 
-def _write_names(file: Any, name: str, words: Sequence[str]) -> None:
-    """Write the names along a dimension, as xarray writes text."""
-    width = max(len(word.encode()) for word in words)
-    file.createDimension(f"{name}_letters", width)
-    variable = file.createVariable(name, "c", (name, f"{name}_letters"))
-    variable[:] = np.array([list(word.encode().ljust(width, b"\0")) for word in words], np.uint8).view("S1")
+def _write_names(file: Any, dimension: str, labels: Sequence[str]) -> None:
+    """Write the labels along a dimension, as xarray writes text."""
+    width = max(len(word.encode()) for word in labels)
+    file.createDimension(f"{dimension}_letters", width)
+    variable = file.createVariable(dimension, "c", (dimension, f"{dimension}_letters"))
+    variable[:] = np.array([list(word.encode().ljust(width, b"\0")) for word in labels], np.uint8).view("S1")
     variable._Encoding = "utf-8"
 
 
@@ -100,20 +100,20 @@ def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
     return Trajectory((*FILM_COLUMNS, *ours), np.column_stack([*film, *ours.values()]))
 
 
-def to_csv(written: TrajectoryData) -> bytes:
+def to_csv(data: TrajectoryData) -> bytes:
     """Write CSV with a header line and all digits."""
-    return trajectory.to_csv(written.rows)
+    return trajectory.to_csv(data.rows)
 
 
-def to_npz(written: TrajectoryData) -> bytes:
+def to_npz(data: TrajectoryData) -> bytes:
     """Write an NPZ archive with an array for each column."""
-    return trajectory.to_npz(written.rows)
+    return trajectory.to_npz(data.rows)
 
 
-def to_xyz(written: TrajectoryData) -> bytes:
+def to_xyz(data: TrajectoryData) -> bytes:
     """Write extended XYZ for OVITO: a frame for each time, with the runs that are not over."""
-    own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
-    size = written.design.size
+    own = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
+    size = data.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
     places = np.column_stack([own["x"], own["y"], own["height_mm"]])
     turns = extended_xyz.to_quaternions(own["theta"], own["pitch_rad"], own["roll_rad"])
@@ -123,16 +123,19 @@ def to_xyz(written: TrajectoryData) -> bytes:
     return extended_xyz.format_frames(bodies, box).encode()
 
 
-def _bounding_box(places: Array, reach: float) -> str:
-    """Return a box that contains all bodies at all times, so that OVITO's view does not move."""
-    margin = (1.0 + BOX_MARGIN) * reach
+def _bounding_box(places: Array, half_diagonal: float) -> str:
+    """Return a box, as text, that contains all bodies at all times, so that OVITO's view does not move.
+
+    `places`: shape (n, 3), mm; `half_diagonal` of a body, mm.
+    """
+    margin = (1.0 + BOX_MARGIN) * half_diagonal
     low = places.min(axis=0, initial=np.inf) - margin
     return extended_xyz.format_box(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
 
-def to_nc(written: TrajectoryData) -> bytes:
+def to_nc(data: TrajectoryData) -> bytes:
     """Write NetCDF for xarray and movement: a run is an individual."""
-    own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
+    own = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
     frames, at = np.unique(own["frame"], return_inverse=True)
     names, who = np.unique(own["particle"].astype(np.int64), return_inverse=True)
     table = np.full((len(frames), 4, len(names)), np.nan)

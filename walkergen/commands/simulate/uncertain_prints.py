@@ -122,10 +122,11 @@ def draw_speeds(spread: PrintScatter, title: str) -> "Figure":
     from walkergen.files.figures import style
 
     with style():
-        return _draw(spread, title)
+        return _draw_panels(spread, title)
 
 
-def _draw(spread: PrintScatter, title: str) -> "Figure":
+def _draw_panels(spread: PrintScatter, title: str) -> "Figure":
+    """Draw a histogram of the speeds, and bars of the shares of the variance."""
     from matplotlib.figure import Figure
 
     from walkergen.files.figures import PAGE_INCHES, wrap_text
