@@ -1,10 +1,10 @@
-"""Self-alignment (curvity): the rate at which walkers turn toward the way that a force takes them, over its speed.
+"""Self-alignment (curvity): the rate of turning toward the direction of a force, over the speed that the force causes.
 
 A walker with heading n that moves at v turns at kappa (n x v), kappa > 0 toward v (P. Baconnier et al., Rev. Mod. Phys.
-97, 015007, 2025; called curvity by M. Casiulis et al., arXiv 2409.04618). Its own run is along n, so that only what
-else moves it turns it. On a slope both the rate of turning and the drift across the heading go with the sine of the
-angle from heading to descent; kappa is the ratio of their slopes on it. That sine is taken a sample before, so that
-noise of headings is in one of both alone, and about its mean, so that turning of the walker's own counts for nothing.
+97, 015007, 2025; curvity of M. Casiulis et al., arXiv 2409.04618). On a slope, turning and the drift across the heading
+both go with the sine of the angle from heading to descent. kappa is the ratio of their slopes. The sine is that of a
+sample before, so that noise of headings does not correlate, and about its mean, so that a walker's steady turning does
+not count.
 """
 
 from collections.abc import Sequence
@@ -58,10 +58,9 @@ def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: 
 
 
 def remove_slope_turning(track: Track, rate: float, interval: float, descent: float) -> Track:
-    """Return the track with the headings that it would have on a level plate.
+    """Return the track with headings as on a level plate; `interval` between samples, s.
 
-    `rate`: turning rate of a heading across the slope, rad/s. `interval`: time between samples, s. `descent`: direction
-    of descent, rad.
+    `rate`: turning rate of a heading across the slope, rad/s. `descent`: direction of descent, rad.
     """
     assert track.heading is not None
     turned = np.nancumsum(rate * interval * np.sin(descent - track.heading))
@@ -91,9 +90,6 @@ def _sample_sums(track: Track, descent: float) -> Array:
 
 
 def _covariances(sums: Array) -> tuple[float, float, float]:
-    """Return the covariances of the first sine with the turn, the drift (mm) and the second sine.
-
-    `sums`: see `_sample_sums`: number, two sines, turn, drift, and three products, shape (8,).
-    """
+    """Return covariances of the first sine with turn, drift (mm) and second sine, from the sums of `_sample_sums`."""
     _, sine, middle_sine, turn, drift, sine_products, turn_products, drift_products = sums / max(sums[0], 1.0)
     return turn_products - sine * turn, drift_products - sine * drift, sine_products - sine * middle_sine

@@ -1,10 +1,10 @@
 """Fit of the mean squared displacement: a run that turns, diffusion, noise of the positions.
 
-The data decide whether these terms can be separated: a run appears as curvature. The fit's misfit is compared with the
-misfit that the scatter of independent samples produces.
+The data decide whether these terms can be separated: a run appears as curvature. The fit's misfit is compared with that
+from the scatter of independent samples.
 
-Arguments: `lag`, s, and `errors`, mm^2, have the shape (lags,). `values` are mean squared displacements (mm^2) at these
-lags; rows are those of all samples, then of all without each one. `turn` is a mean rate of turning, rad/s.
+Arguments: `lag` (s) and `errors` (mm^2) have the shape (lags,). `values` are mean squared displacements (mm^2) at these
+lags; rows are those of all samples, then without each one. `turn` is a mean rate of turning, rad/s.
 """
 
 import math
@@ -28,8 +28,7 @@ SUSPECTED_P_VALUE = 0.025
 """The same for a curvature that may be a run. The run's contribution is then unknown."""
 
 INERTIA_P_VALUE = 0.025
-"""Probability, for runs without inertia, of a diffusion below 0 that counts as inertia. It may
-be large: the law with inertia holds without inertia as well."""
+"""Probability, for runs without inertia, of a diffusion below 0 that counts as inertia."""
 
 EXPONENT_LAG_RATIO = 1.1
 """Ratio of lags between which a local exponent of the fit is taken."""
@@ -53,8 +52,7 @@ MAX_RATE_RATIO = 1e6
 """Ratio of rates of runs, of each other and of those that the lags show, at which they are at their limit."""
 
 MIN_RATE_DIFFERENCE = 0.1
-"""Ratio, less 1, of the rates of a run and of its beginning below which they are one rate, the fit's limit: the
-squared displacement changes with the square of their difference, by 0.1 % here."""
+"""Ratio, less 1, of the rates of a run and of its beginning below which they count as equal, the fit's limit."""
 
 
 class DisplacementFit(NamedTuple):
@@ -104,8 +102,7 @@ class DisplacementFit(NamedTuple):
 def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> DisplacementFit:
     """Fit the mean squared displacement of all samples, then that without each one.
 
-    `squares`: mean squared displacement (mm^2) of each by `lag` (s), all samples first. `turns`: mean rate of turning
-    of each, rad/s. Parameters are NaN where lags are too few.
+    `squares`: one for each, by `lag`; `turns`: mean rates of turning, rad/s. Parameters are NaN where lags are too few.
     """
     values = np.stack(squares)
     use = np.isfinite(values).all(axis=0)
@@ -170,9 +167,9 @@ def smooth_errors(lag: Array, errors: Array) -> Array:
 
 
 def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
-    """Return the largest ratio of the term of a run to its error, over rates of losing direction.
+    """Return the largest ratio of a run's term to its error, over rates of losing direction.
 
-    Each fit has a run, diffusion and noise. `turns` (rad/s): one for each row of `values` and `errors`.
+    `turns` (rad/s): one for each row of `values` and `errors`.
     """
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(

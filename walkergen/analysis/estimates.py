@@ -20,8 +20,8 @@ MIN_SIGNIFICANCE = 3.0
 """Minimum distance of a rate or an offset from 0, in standard errors, to be inverted or reported."""
 
 MIN_DECAY, MIN_DECAY_WALLS = 0.2, 0.05
-"""Share of the direction that must be lost at the longest fitted lag for a known rate, in the open and
-between walls. Between walls that lag is short and its pairs are many."""
+"""Share of the direction that must be lost at the longest fitted lag for a known rate, in the open and between
+walls."""
 
 MIN_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
@@ -77,11 +77,10 @@ FIT_NUMBERS = (
     "msd_first",
     "shortened",
 )
-"""Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
-mean square that persists, `lasting` that of it which lasts for the first lag, `heading_variance`
-(rad^2) that of the headings' noise, `shortened` the share of a speed that displacements along
-headings show, or without headings the root of the first product over the speed (s), `msd_first` the
-squared displacement (mm^2) that noise and diffusion make within one sample."""
+"""Names of auxiliary numbers. `amplitude` (mm^2): persistent part of the displacements' mean square; `lasting`: its
+part after the first lag; `heading_variance` (rad^2): noise of headings; `shortened`: share of a speed that
+displacements along headings show, or without headings the root of the first product over the speed (s); `msd_first`
+(mm^2): squared displacement by noise and diffusion in a sample."""
 
 NEAR_WEIGHT, FAR_WEIGHT = 1.5, -0.5
 """Weights of displacements along headings half a sample and one and a half from their middles, that
@@ -258,10 +257,7 @@ def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window:
 
 
 def _guess_with_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
-    """Guess amplitude, rate (1/s), turn (0) and memory (s) of the correlation `values` at lags (s).
-
-    Lines are fitted to its logarithm for several memories; the best counts.
-    """
+    """Guess amplitude, rate (1/s), turn (0) and memory (s) of the correlation `values` at lags (s), by lines."""
     log_size, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
     guesses = []
     for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
@@ -305,10 +301,7 @@ def _extrapolated_share(correlation: Callable[[Array], Array]) -> float:
 
 
 def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
-    """Guess amplitude, rate (1/s) and turn (rad/s) of the correlation `values` at lags (s).
-
-    The turn is followed from lag to lag.
-    """
+    """Guess amplitude, rate (1/s) and turn (rad/s, followed over lags) of the correlation `values` at lags (s)."""
     size = np.abs(values)
     turn = 0.0
     for at, value, error in zip(lag, values, errors, strict=True):
@@ -321,10 +314,7 @@ def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, flo
 
 
 def from_spread(spread: Spread, interval: float) -> dict[str, float]:
-    """Return the numbers that follow from a fit of the squared displacement, by name.
-
-    `interval`: time between samples, s.
-    """
+    """Return the numbers, by name, that follow from a fit of the squared displacement; `interval` of samples, s."""
     speed2, offset = spread.mean_square, spread.offset
     return {
         "msd_speed2": speed2,
@@ -342,7 +332,7 @@ def from_spread(spread: Spread, interval: float) -> dict[str, float]:
 def _fit_dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     """Fit the spread about each walker's mean run in a lane; add diffusivity and crossover time to `numbers`.
 
-    It is 2 D lag (1 - lag / T), as the mean run was measured over T. The last decade of fitted lags counts.
+    It is 2 D lag (1 - lag / T), as the mean run was measured over T.
     """
     lag = frame.grid.square_lags * frame.interval
     values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)

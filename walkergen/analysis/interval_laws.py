@@ -25,8 +25,7 @@ TURN_POWERS = {
     "persistence_rate": 1,
     **dict.fromkeys(("persistence_time", "persistence_length", *SPREADING_QUANTITIES), -1),
 }
-"""Numbers that the mean square of turns decides, and the power of each that goes as it does: it scatters as
-a variance, so that chance makes it small, and its error with it, more often than large."""
+"""Powers of numbers that scatter as the mean square of turns does: as a variance, more often small than large."""
 
 
 def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: bool) -> Quantity:

@@ -1,7 +1,6 @@
-"""Sums over all pairs of samples a lag apart, with gaps allowed, by fast Fourier transform.
+"""Sums over all pairs of samples a lag apart, with gaps (NaN) allowed, by fast Fourier transform.
 
-A sum and the number of its pairs are kept apart, so that tracks, and pieces of tracks, add up.
-Samples that are NaN take part in no pair.
+Sums and numbers of pairs are separate, so that those of tracks, and of pieces of tracks, add up.
 """
 
 import functools

@@ -50,10 +50,7 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
 
 
 def _group_corners(time: Array, corner: Whole, corners: int) -> Mask:
-    """Return which corners land in each group, shape (groups, corners).
-
-    `time` (s, sorted) and `corner` (number): one entry a landing.
-    """
+    """Return which corners land in each group, shape (groups, corners); times (s) are sorted, one a landing."""
     firsts, at = [], 0
     while at < len(time):
         firsts.append(at)

@@ -1,7 +1,7 @@
 """Sums over tracks that every statistic of motion derives from, and their independent samples.
 
-Everything here is additive: the moments of two tracks, or of two pieces of one, are their sum. So
-one jackknife over independent samples gives the error of every number computed from the sums.
+The moments of two tracks, or of two pieces of one, add up. So one jackknife over independent samples gives the error of
+every number.
 """
 
 import itertools
@@ -78,11 +78,10 @@ def subtract(whole: Moments, part: Moments) -> Moments:
 
 
 def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
-    """Group tracks into independent samples; return them, and a typical length of their pieces, in positions.
+    """Group tracks into independent samples. Return these, and the length above which half of all time is.
 
-    Half of all time is in pieces of this length or more. Samples are particles if there are enough, otherwise at least
-    MIN_PIECES pieces of tracks of about equal length. Pieces are independent only if increments decorrelate, which
-    `motion` checks.
+    Samples are particles if there are enough, otherwise at least MIN_PIECES pieces of tracks of about equal length.
+    Pieces are independent only if increments decorrelate, which `motion` checks.
     """
     long = [track for track in tracks if len(track.position) > 1]
     pieces = _cut_tracks(long) if has_few_particles(tracks) else long
@@ -95,7 +94,7 @@ def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int
 
 
 def has_few_particles(tracks: Sequence[Track]) -> bool:
-    """Return whether particles are too few to be the samples, so that tracks are cut."""
+    """Return whether particles, weighted by the time they were seen, are too few to be the samples."""
     lengths = np.array([len(track.position) - 1.0 for track in tracks])
     return bool(lengths.sum() ** 2 < MIN_PARTICLES * (lengths**2).sum())
 
@@ -238,9 +237,8 @@ def body_frame_displacements(track: Track, step: int) -> Complex:
 def heading_displacements(track: Track, turn: float, offset: int) -> Complex:
     """Return the displacements in a sample (mm) along headings `offset` samples before and after, shape (2, n).
 
-    The imaginary part is to the left; NaN if unknown. `turn` (rad per sample) is the mean one: headings are turned by
-    it to the middle, and the length is that on the arc, not its chord. A walker that turns steadily is not slower, nor
-    drifts aside.
+    The imaginary part is to the left; NaN if unknown. Headings are turned to the middle by the mean `turn` (rad per
+    sample), and lengths are those on the arc: a walker that turns steadily is not slower, nor drifts aside.
     """
     if track.heading is None:
         return np.zeros((2, 0), dtype=complex)

@@ -1,10 +1,9 @@
 """Motion of walkers from their tracks: speed, squared displacement, persistence, turning.
 
-Every number carries the standard error of a jackknife over independent samples, or is refused with
-the reason. Noise of the positions (localisation) does not shift the numbers. Speeds along heading or
-lane are means of signed displacements, so noise averages out. Speed and persistence without headings
-come from products of displacements that share no position. Squared displacements contain the noise
-as an offset, which is fitted and reported.
+Every number has the standard error of a jackknife over independent samples, or a reason why it has none. Noise of the
+positions does not shift the numbers: speeds are means of signed displacements, or without headings of products of
+displacements that share no position. Squared displacements contain the noise as an offset, which is fitted and
+reported.
 """
 
 import math
@@ -160,17 +159,17 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         return moments.total(moments.measure(t, grid, mean_steps[t.particle]) for t in some)
 
     parts = [sum_moments(group) for group in groups]
-    sum_of_pieces = moments.total(parts)
-    without_one_sample = [moments.subtract(sum_of_pieces, part) for part in parts]
+    of_pieces = moments.total(parts)
+    left_out = [moments.subtract(of_pieces, part) for part in parts]
     in_pieces = moments.has_few_particles(tracks.tracks)
     # Whole tracks have pairs that their pieces lack.
-    whole = sum_moments(tracks.tracks) if in_pieces else sum_of_pieces
-    all_and_without_one = [whole, *without_one_sample]
-    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in all_and_without_one]
+    whole = sum_moments(tracks.tracks) if in_pieces else of_pieces
+    all_sums = [whole, *left_out]
+    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in all_sums]
     msd = _jackknife_curve(grid.square_lags, squares, length)
     slopes = [_local_exponents(grid.square_lags, square) for square in squares]
     exponent = _jackknife_curve(grid.square_lags, slopes, length / HALF_OCTAVE)
-    turn = [mean(m.turn, m.turn_pairs) for m in all_and_without_one]
+    turn = [mean(m.turn, m.turn_pairs) for m in all_sums]
     fitted = grid.square_lags <= lags
     times = [walker.seconds for walker in turnings]
     if tracks.lane:
@@ -188,8 +187,8 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         _jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
         found is not None,
     )
-    frame, numbers = verdicts.choose_memory(all_and_without_one, frame)
-    numbers, fit = spread_numbers.add_fit(numbers, all_and_without_one, frame, lags)
+    frame, numbers = verdicts.choose_memory(all_sums, frame)
+    numbers, fit = spread_numbers.add_fit(numbers, all_sums, frame, lags)
     alone = particle_scatter.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
     together = particle_scatter.compare(alone)
     if headed:
@@ -240,15 +239,15 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         own_s=own_s,
-        parallel=_density_curve(grid.bins[0], [sample.density_along for sample in all_and_without_one]),
-        orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in all_and_without_one]),
+        parallel=_density_curve(grid.bins[0], [sample.density_along for sample in all_sums]),
+        orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in all_sums]),
         walkers=alone,
         walls=found,
     )
 
 
 def _effective_freedom(parts: Sequence[Moments], lag_index: int) -> float:
-    """Return the degrees of freedom of an error over samples with unlike numbers of pairs at one lag (Kish 1965)."""
+    """Return the degrees of freedom of samples with unlike numbers of pairs at a lag (Kish 1965)."""
     pairs = np.array([part.square_pairs[lag_index] for part in parts])
     return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
 
@@ -279,10 +278,7 @@ def _mean_lane_steps(tracks: Tracks) -> dict[int, float]:
 
 
 def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
-    """Choose the lags, and the bins of displacements over `lag_s` s.
-
-    `length`: that of typical samples, in positions; `headed`: whether headings are known.
-    """
+    """Choose the lags, and the bins of displacements over `lag_s` s, for samples of this `length` in positions."""
     step = max(round(lag_s / tracks.interval), 1)
     longest = max(len(track.position) for track in tracks.tracks)
     moved = [moments.displacements(track, step) for track in tracks.tracks]
@@ -300,9 +296,9 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
 
 
 def _longest_free_lag(free_times: Sequence[Whole], shortest: int) -> int:
-    """Return the longest lag (samples) that enough places between walls have, of those free for the `shortest`.
+    """Return the longest lag (samples) within which enough places stay free of walls.
 
-    `free_times`: for each track the samples after each place without a wall in reach.
+    `free_times`: for each track the samples after each place without a wall in reach; at least `shortest` count.
     """
     free = np.concatenate(free_times)
     free = free[free >= shortest]
@@ -341,19 +337,13 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
 
 
 def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Curve:
-    """Return a curve over lags: `values` of all samples, with errors from those without each sample.
-
-    Errors are NaN beyond half the `length` of a sample; lags and `length` are in samples.
-    """
+    """Return `values` of all samples, with errors from those without each one; NaN beyond half a sample's length."""
     resolved = lags <= int(length) // 2
     return Curve(lags.astype(float), values[0], np.where(resolved, _jackknife_error(values[1:]), np.nan))
 
 
 def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
-    """Return the density (1/mm) in bins with these edges (mm), with jackknife errors.
-
-    `counts`: those of all samples, then without each one.
-    """
+    """Return the density (1/mm) in bins with these edges (mm); `counts` of all samples, then without each one."""
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
     densities = [count / (max(count.sum(), 1.0) * np.diff(edges)) for count in counts]
@@ -366,10 +356,7 @@ def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
 def _speed_means(
     walkers: Sequence[WalkerMeans], comparison: WalkerComparison | None, frame: Frame
 ) -> Mapping[str, Quantity]:
-    """Return the mean speeds and turning over walkers that were compared, or those of the longest track.
-
-    `comparison`: None if they could not be compared.
-    """
+    """Return the mean speeds and turning over walkers that were compared, or those of the longest track."""
     if comparison is not None:
         return comparison.means
     means = max(walkers, key=lambda walker: walker.seconds).means
@@ -379,10 +366,7 @@ def _speed_means(
 
 
 def _mean_of_roots(estimates: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
-    """Estimate the mean speed of walkers from its root mean square; {} if that is impossible.
-
-    `scatter`: standard deviation of their speeds.
-    """
+    """Estimate the mean speed from its root mean square, and the `scatter` between walkers; {} if impossible."""
     speed = estimates["speed"]
     if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
         return {}
@@ -415,10 +399,7 @@ def _scatter_doubts(estimates: Mapping[str, Quantity], descent: float | None) ->
 def _describe_method(
     frame: Frame, in_pieces: bool, comparison: WalkerComparison | None, samples: int, length_s: float
 ) -> str:
-    """Describe what `speed` means and where the errors come from.
-
-    `in_pieces`: whether samples are pieces of tracks, of `length_s` s, not particles.
-    """
+    """Describe what `speed` means, and errors: from particles, or `in_pieces` of tracks of `length_s` s."""
     if frame.lane:
         speed = "along the lane"
     elif frame.headed:

@@ -1,7 +1,7 @@
 """Walkers one by one: the speed of each, their mean, and how much they differ.
 
-Prints of one design differ. So the mean over a few walkers has two errors: of each walker's speed
-in its own track, which longer films lessen, and of so few walkers, which only more of them lessen.
+Prints of one design differ. So the mean over a few walkers has two errors: longer films reduce that within tracks, only
+more walkers that between walkers.
 """
 
 import math
@@ -125,7 +125,7 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
 
 
 def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
-    """Return the steps of one track whose means are its speeds and turning rate, by name of these.
+    """Return by name the steps of one track whose means are its speeds and turning rate.
 
     `shortened`: share of a speed that displacements show; `turn`: mean turn in a sample, rad.
     """
@@ -196,8 +196,8 @@ def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
 def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
     """Return the reason why products of displacements give no speed; '' if they do.
 
-    `sums`, shape (pieces, 2): sums of the products and their numbers. `unit` times the root of a mean product is a
-    speed. The modulus of a mean that is all noise would be a speed above 0.
+    `sums`, shape (pieces, 2): products (speed = `unit` times the root of their mean) and numbers. The modulus of a mean
+    that is all noise would be a speed above 0.
     """
     if len(sums) < 2:
         return "too short a track: film for longer"
@@ -273,10 +273,7 @@ def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict
 
 
 def _limiting_error(scatter: Quantity, noise: float) -> str:
-    """Describe whether differences between walkers or errors within tracks limit the mean.
-
-    `scatter`: standard deviation between walkers; `noise`: mean squared error within a track.
-    """
+    """Describe which limits the mean: `scatter` between walkers, or `noise` (mean squared error of a track)."""
     if scatter.value is None:
         return "walkers are alike within the errors of their tracks, which limit: film for longer"
     if scatter.value**2 > noise:

@@ -81,10 +81,7 @@ def squared_displacement(lag: Array, spread: Spread) -> Array:
 
 
 def run_squared_displacement(lag: Array, rate: float, turn: float) -> Array:
-    """Return the mean squared displacement (s^2) at lags (s) of a run of unit speed.
-
-    It loses direction at `rate` (1/s) and turns at `turn` (rad/s).
-    """
+    """Return the mean squared displacement (s^2) at lags (s) of a run of speed 1; `rate` 1/s, `turn` rad/s."""
     z = complex(rate, -turn) * lag
     small = np.abs(z) < 1e-3
     safe = np.where(small, 1.0, z)
@@ -103,8 +100,7 @@ def fit(
 ) -> Array | None:
     """Fit model(lag, *parameters) to values with errors by weighted least squares; None when no parameters fit.
 
-    `values` and the model may be complex, with the same error for both parts. `start` and `lowest` are first values and
-    lower bounds of the parameters.
+    `values` and the model may be complex, with the same error for both parts. No parameter falls below `lowest`.
     """
     from scipy.optimize import least_squares
 

@@ -91,10 +91,9 @@ def from_bodies(
     program: str,
     notes: tuple[str, ...] = (),
 ) -> Source:
-    """Return one row for each body in each frame, from the parts of each body by name.
+    """Return one row for each body (named or "") in each frame, from its parts by name.
 
-    `clock` is the column (frame or time) of `times`; `named` has names and units of columns. `bodies` with empty names
-    are only numbered.
+    `clock` is the column (frame or time) of `times`; `named` has names and units of columns.
     """
     placed = [_body_pose(parts) for parts in bodies.values()]
     heads = all(len(places) == len(placed[0][0]) for places, _ in placed)

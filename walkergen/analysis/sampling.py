@@ -20,8 +20,7 @@ MAX_TICKS = 1e15
 """Largest number of samples from the first to the last that numbers can represent exactly."""
 
 MAX_STEP_RATIO = 3.0
-"""Longest time between neighbouring frames, over the usual one, within which a walker is followed:
-a camera that slows down halves its rate or so; beyond, frames are missing."""
+"""Longest time between neighbouring frames, over the usual one, within which a walker is followed."""
 
 GRID_TOLERANCE = 0.01
 """Maximum deviation of times from the regular grid, as a share of the interval."""
@@ -127,10 +126,7 @@ def _rounding_step(times: Array) -> float:
 
 
 def _sample_interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
-    """Return the time between samples, s: the commonest step of a particle.
-
-    `particle`: number of each row's particle. `rounding`: step of rounded times, s.
-    """
+    """Return the time between samples, s: the commonest step of a particle. `rounding`: that of times, s."""
     order = np.lexsort((times, particle))
     same = np.diff(particle[order]) == 0
     steps = np.diff(times[order])[same]
@@ -153,10 +149,7 @@ def _particle_numbers(table: Columns) -> Array:
 
 
 def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> Tracks:
-    """Sort rows into tracks, on the coarsest grid of times that holds all of their ticks.
-
-    `ticks`: whole number of intervals (s) of each row, from 0 on.
-    """
+    """Sort rows into tracks, on the coarsest grid that holds all `ticks`: times in intervals (s) from 0 on."""
     position = np.stack([table.values[axis] for axis in ("x", "y") if axis in table.values], axis=1)
     heading = table.values.get("theta")
     if heading is not None and np.isnan(heading).all():
@@ -201,10 +194,7 @@ def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> 
 def _build_track(
     path: Path, particle: int, rows: Whole, samples: Array, position: Array, heading: Array | None, plate_speeds: Array
 ) -> Track:
-    """Build the track of one particle from its rows, at these samples of it; NaN at others.
-
-    `position` (mm), `heading` (rad) and `plate_speeds` (mm/s) are of all rows of the file.
-    """
+    """Build the track of a particle from its rows at these samples; other arrays (mm, rad, mm/s) have all rows."""
     index = samples.astype(np.int64)
     grid = np.full((int(index[-1]) + 1, position.shape[1]), np.nan)
     grid[index] = position[rows]

@@ -20,8 +20,7 @@ MAX_VALUES = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_
 """Largest sizes that are measurements, not slips of the pen, by column."""
 
 MIN_SPEED_RATIO, MAX_SPEED_RATIO = 0.005, 50.0
-"""Largest speed of a file over the plate's, below and above which its unit is another: walkers
-run at a twentieth to three times the plate's speed, and m/s or µm/s are a thousand times off."""
+"""Limits of a file's largest speed over the plate's; beyond them its unit is another. Walkers have 0.05 to 3."""
 
 PLATE_SPEED_TOLERANCE = 0.05
 """Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""
@@ -105,10 +104,7 @@ def _check_positive(path: Path, table: columns.Columns, name: str) -> None:
 
 
 def check_units(path: Path, measured: Measured) -> None:
-    """Raise InputError if speeds seem to be in another unit, or to have the wrong sign.
-
-    Walkers on flexible legs run the way these lean.
-    """
+    """Raise InputError if speeds of walkers on flexible legs seem to have another unit or the wrong sign."""
     leaning = np.array([kind == "flexible" for kind in measured.legs]) & (measured.tilt != 0.0)
     if not leaning.any():
         return

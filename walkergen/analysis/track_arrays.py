@@ -1,6 +1,7 @@
 """Tracks in files of arrays: NetCDF in the layout of movement, SLEAP's and idtracker.ai's HDF5, NPZ of columns.
 
 NetCDF 3 is read by scipy and NPZ by numpy; HDF5, which later NetCDF is as well, by h5py of the extra `poses`.
+In a `lane` y may be ignored.
 """
 
 import io
@@ -66,10 +67,7 @@ class ArrayFile(NamedTuple):
 
 
 def read_arrays(path: Path, lane: bool) -> Source | None:
-    """Read the rows of a NetCDF or HDF5 file; None for a file of text, or of columns (`npz_lines`).
-
-    In a `lane` y may be ignored. Raises InputError.
-    """
+    """Read the rows of a NetCDF or HDF5 file; None for text or columns (`npz_lines`). Raises InputError."""
     begin = file_reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):
@@ -96,19 +94,17 @@ def npz_lines(path: Path) -> Iterator[str] | None:
     with file_reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
         if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
             raise InputError(f"{path}: more than {MAX_BYTES} bytes when unpacked; is it the right file?")
-        with np.load(path, allow_pickle=False) as archive_arrays:
-            values = {name: np.asarray(archive_arrays[name]) for name in archive_arrays.files}
+        with np.load(path, allow_pickle=False) as archived:
+            values = {name: np.asarray(archived[name]) for name in archived.files}
     time_name = next((name for name in ("frame", "time", "t_s") if name in values), None)
     if time_name is None:
         raise InputError(
             f"{path}: no array frame, time or t_s; arrays seen: {safe_text.shorten_line(', '.join(values))[:80]}"
         )
-    columns_found = {
-        name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[time_name])
-    }
+    kept = {name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[time_name])}
     trex = "cm_per_pixel" in values
-    names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in columns_found)
-    rows = zip(*(array.tolist() for array in columns_found.values()), strict=True)
+    names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in kept)
+    rows = zip(*(array.tolist() for array in kept.values()), strict=True)
     return chain([",".join(names) + "\n"], (",".join(map(str, row)) + "\n" for row in rows))
 
 
@@ -157,7 +153,7 @@ def _decode_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _read_hdf5(path: Path, lane: bool) -> Source:
-    """Read the rows of an HDF5 file of a known layout. In a `lane` y may be ignored."""
+    """Read the rows of an HDF5 file of a known layout. Raises InputError for others."""
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -168,14 +164,12 @@ def _read_hdf5(path: Path, lane: bool) -> Source:
             return _from_sleap(_read_datasets(path, file, {"tracks", "node_names", "track_names"}))
         if "trajectories" in names and "frames_per_second" in file.attrs:
             return _from_idtracker(_read_datasets(path, file, {"trajectories"}), float(file.attrs["frames_per_second"]))
-        problem = "is an HDF5 file of a layout that is not read"
+        fault = "is an HDF5 file of a layout that is not read"
         if {"frames", "instances"} <= names:
-            problem = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
+            fault = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
         elif any("pandas_type" in file[name].attrs for name in names):
-            problem = (
-                "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
-            )
-        raise InputError(f"{path}: {problem}; it holds {safe_text.shorten_line(', '.join(sorted(names)))[:60]}")
+            fault = "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
+        raise InputError(f"{path}: {fault}; it holds {safe_text.shorten_line(', '.join(sorted(names)))[:60]}")
 
 
 def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
@@ -208,46 +202,40 @@ def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
     return tuple(json.loads(data.attrs.get("dims", "[]")))
 
 
-def _reorder_dimensions(contents: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
-    """Return a named array with its dimensions in this order. Missing ones have length 1.
+def _reorder_dimensions(arrays: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
+    """Return a named array with its dimensions in this order; missing ones have length 1.
 
     Dimensions had plural names before movement's version 0.17.
     """
-    present = [dimension.removesuffix("s") for dimension in contents.dimensions[name]]
+    present = [dimension.removesuffix("s") for dimension in arrays.dimensions[name]]
     if not set(present) <= set(order):
         raise ValueError(f"{name} has the dimensions {', '.join(present)}")
-    array = contents.values[name].transpose([present.index(dimension) for dimension in order if dimension in present])
+    array = arrays.values[name].transpose([present.index(dimension) for dimension in order if dimension in present])
     return np.expand_dims(array, [at for at, dimension in enumerate(order) if dimension not in present])
 
 
-def _from_movement(path: Path, contents: ArrayFile, lane: bool) -> Source:
-    """Return the rows of a data set of movement, of poses or of boxes around walkers; in a `lane` y may be ignored."""
-    words = {name.removesuffix("s"): texts for name, texts in contents.words.items()}
-    if not {"position", "time"} <= set(contents.values) or not {"x", "y"} <= set(words.get("space", ())):
+def _from_movement(path: Path, arrays: ArrayFile, lane: bool) -> Source:
+    """Return the rows of a data set of movement, of poses or of boxes around walkers."""
+    words = {name.removesuffix("s"): texts for name, texts in arrays.words.items()}
+    if not {"position", "time"} <= set(arrays.values) or not {"x", "y"} <= set(words.get("space", ())):
         raise InputError(f"{path}: no position in x and y with its time, as movement's data sets have")
-    attributes = contents.attributes["position"]
+    attributes = arrays.attributes["position"]
     if set(PACKING_ATTRIBUTES) & set(attributes):
         raise InputError(f"{path}: position is packed: save it without {' and '.join(PACKING_ATTRIBUTES)}")
-    places = _reorder_dimensions(contents, "position", ("individual", "keypoint", "space", "time"))
-    if contents.attributes[""].get("source_software") in LIKELIHOOD_PROGRAMS and "confidence" in contents.values:
-        confidence = _reorder_dimensions(contents, "confidence", ("individual", "keypoint", "time"))
+    places = _reorder_dimensions(arrays, "position", ("individual", "keypoint", "space", "time"))
+    if arrays.attributes[""].get("source_software") in LIKELIHOOD_PROGRAMS and "confidence" in arrays.values:
+        confidence = _reorder_dimensions(arrays, "confidence", ("individual", "keypoint", "time"))
         places = np.where(confidence[:, :, None] < pose_tables.MIN_LIKELIHOOD, np.nan, places)
     x, y = (places[:, :, words["space"].index(axis)] for axis in "xy")
     individuals = words.get("individual", [])
     unit = next((attributes[name] for name in UNIT_ATTRIBUTES if name in attributes), "")
-    source = contents.attributes[""]
-    if (
-        source.get("source_software", "").startswith(WALKERGEN_PROGRAM)
-        and "heading" in contents.values
-        and unit == "mm"
-    ):
-        return _from_walkergen(contents, x[:, 0], y[:, 0], individuals, lane)
+    source = arrays.attributes[""]
+    if source.get("source_software", "").startswith(WALKERGEN_PROGRAM) and "heading" in arrays.values and unit == "mm":
+        return _from_walkergen(arrays, x[:, 0], y[:, 0], individuals, lane)
     clock, second = ("time", "s") if source.get("time_unit") == "seconds" else ("frame", "")
     named = {axis: NamedColumn("position", track_columns.canonical_unit(unit) if unit else PIXEL) for axis in "xy"}
     named |= {clock: NamedColumn("time", second), "theta": NamedColumn("theta", "rad")}
-    return _from_parts(
-        x, y, words.get("keypoint", []), individuals, {clock: contents.values["time"]}, named, "movement"
-    )
+    return _from_parts(x, y, words.get("keypoint", []), individuals, {clock: arrays.values["time"]}, named, "movement")
 
 
 def _from_parts(
@@ -277,38 +265,33 @@ def _from_parts(
     return pose_tables.from_bodies(table, clock, ticks, bodies, named, program)
 
 
-def _from_walkergen(contents: ArrayFile, x: Array, y: Array, individuals: Sequence[str], lane: bool) -> Source:
-    """Return the rows of runs that walkergen simulated; x and y have the shape (walkers, times).
-
-    Runs that never leave y = 0 ran along a lane.
-    """
-    theta = _reorder_dimensions(contents, "heading", ("individual", "time"))
+def _from_walkergen(arrays: ArrayFile, x: Array, y: Array, individuals: Sequence[str], lane: bool) -> Source:
+    """Return the rows of walkergen's own runs; x and y: shape (walkers, times). If y stays 0 they ran in a lane."""
+    theta = _reorder_dimensions(arrays, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
     runs = [individual.rpartition("_")[2] for individual in individuals]
     named = len(runs) == len(x) and all(map(str.isdigit, runs))
     numbers = [float(run) for run in (runs if named else range(len(x)))]
     walkers = list(zip(x, y, theta, strict=True))
-    long = track_columns.to_long_table(table, "time", contents.values["time"], walkers, numbers)
+    long = track_columns.to_long_table(table, "time", arrays.values["time"], walkers, numbers)
     if lane or not (np.nan_to_num(y).any() or np.nan_to_num(theta).any()):
         long = long._replace(values={name: long.values[name] for name in ("time", "x", "particle")})
     return Source(long, {"time": NamedColumn("time", "s"), "x": NamedColumn("position", "mm")}, WALKERGEN_PROGRAM)
 
 
-def _from_sleap(contents: ArrayFile) -> Source:
+def _from_sleap(arrays: ArrayFile) -> Source:
     """Read the rows of SLEAP's analysis file. By default its arrays have the order of its reader in MATLAB."""
-    contents = contents._replace(
-        dimensions={"tracks": contents.dimensions["tracks"] or ("track", "xy", "node", "frame")}
-    )
-    x, y = _reorder_dimensions(contents, "tracks", ("xy", "track", "node", "frame"))
+    arrays = arrays._replace(dimensions={"tracks": arrays.dimensions["tracks"] or ("track", "xy", "node", "frame")})
+    x, y = _reorder_dimensions(arrays, "tracks", ("xy", "track", "node", "frame"))
     frames = {"frame": np.arange(x.shape[-1], dtype=float)}
     return _from_parts(
-        x, y, contents.words["node_names"], contents.words["track_names"], frames, pose_tables.PIXEL_COLUMNS, "SLEAP"
+        x, y, arrays.words["node_names"], arrays.words["track_names"], frames, pose_tables.PIXEL_COLUMNS, "SLEAP"
     )
 
 
-def _from_idtracker(contents: ArrayFile, fps: float) -> Source:
+def _from_idtracker(arrays: ArrayFile, fps: float) -> Source:
     """Return the rows of idtracker.ai's trajectories, shape (frames, animals, 2); `fps`: frames per second."""
-    x, y = contents.values["trajectories"].transpose(2, 1, 0)[:, :, None]
+    x, y = arrays.values["trajectories"].transpose(2, 1, 0)[:, :, None]
     times = {"time": np.arange(x.shape[-1]) / fps}
     named = {
         "time": NamedColumn("frames_per_second", "s"),

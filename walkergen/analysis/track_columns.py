@@ -229,8 +229,7 @@ def to_long_table(
 ) -> Columns:
     """Return a table with a row for each walker in each frame, from one with a row for each frame.
 
-    `walkers`: arrays x, y and, for all or none, theta of each; `numbers` name them. `clock` (frame or time) is the
-    column of `times`.
+    `walkers`: x, y and, for all or none, theta of each. `clock` (frame or time) is the column of `times`.
     """
     parts: dict[str, list[Array]] = {clock: [], "particle": [], "x": [], "y": [], "theta": []}
     lines = []

@@ -1,9 +1,12 @@
 """Tracks of walkers from files: tables of places at times, in the units that they state or that are given.
 
-Units are part of the names of columns (x_mm, "X (cm)", t_s, "time [ms]", theta_deg) or are given (--unit mm,deg;
---fps, --mm-per-px). A missing unit is an error. walkergen's own columns are t_s, x_mm and y_mm. With theta_rad,
-the heading from x toward y_mm, the walker moves in space, seen from above. Without it y_mm is vertical, in a lane.
-All may have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
+Units are part of the names of columns (x_mm, "X (cm)", t_s, "time [ms]", theta_deg) or are given (--unit mm,deg; --fps,
+--mm-per-px). A missing unit is an error. walkergen's own columns are t_s, x_mm and y_mm. With theta_rad, the heading
+from x toward y_mm, the walker moves in space, seen from above. Without it y_mm is vertical, in a lane. All may have
+`particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
+
+`source` has a file's rows and the units that it states, `units` the options of the command line, `given` those of
+--unit.
 """
 
 import math
@@ -130,7 +133,7 @@ def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> 
 
 
 def _check_no_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
-    """Raise InputError for units given for a file that states its `own` (named in the message)."""
+    """Raise InputError for units given for a file that states its `own` (column names, for the message)."""
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
@@ -150,7 +153,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
-    """Return the seconds in a unit of the column time and True, or frames per second and False; and notes."""
+    """Choose the clock: seconds in a unit of the column time and True, or frames per second and False; with notes."""
     frames = "frame" in source.table.values
     named = source.named.get("time")
     unit = given.time or (named.unit if named else "")
@@ -202,10 +205,7 @@ def _check_range(field: str, value: float) -> float:
 
 
 def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
-    """Return the length in mm of one unit of the positions, and a note on its source.
-
-    Raises InputError if the unit is unknown.
-    """
+    """Return the length of a unit of the positions, mm, and a note on it. Raises InputError if it is unknown."""
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
         raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")
@@ -271,10 +271,7 @@ def _describe_y_axis(source: Source, units: Units) -> str:
 
 
 def _scale_se(path: Path, table: Columns) -> float | None:
-    """Return the largest relative error of a file's lengths; 0 for a simulation, which has no scale.
-
-    None if a row does not give it.
-    """
+    """Return the largest relative error of a file's scale; 0 for a simulation, None if a row does not give it."""
     if not set(SCALE_COLUMNS) <= set(table.values):
         return 0.0
     scale, error = (table.values[name] for name in SCALE_COLUMNS)

@@ -4,6 +4,8 @@ A table whose columns name their contents is read directly, from any program. Ot
 TrackMate (tables of spots, XML of spots or of tracks), DeepLabCut (three or four lines of names),
 SLEAP's analysis table, idtracker.ai (columns x1, y1, x2, y2 and so on), MTrackJ (.mdf), Tracker of Open
 Source Physics (a line with the tracks' names above the table), and files of arrays (`track_arrays`).
+
+In a `lane` no y is needed. A `titled` table has a line above its header.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,7 +35,7 @@ MIRRORED_PROGRAMS = ("FastTrack",)
 
 
 def read_source(path: Path, lane: bool) -> Source:
-    """Read the rows of a file of tracks in any format; in a `lane` y is not needed. Raises InputError."""
+    """Read the rows of a file of tracks in any format. Raises InputError."""
     if (arrays := track_arrays.read_arrays(path, lane)) is not None:
         return arrays
     head = list(islice(_text_lines(path), 3))
@@ -60,11 +62,10 @@ def _text_lines(path: Path) -> Iterator[str]:
     return track_arrays.npz_lines(path) or file_reading.read_lines(path, columns.FORMAT_NAME)
 
 
-def _table_lines(path: Path, titled: bool, skipped_count: int = 0) -> Iterator[str]:
-    """Yield the lines of a table as those of a CSV file. Raises InputError.
+def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
+    """Yield the lines of a table as those of a CSV file. Raises InputError for commas in other tables' cells.
 
-    A title above (`titled`) and `skipped_count` lines below the header become blank lines, so that lines keep their
-    numbers. Cells of a table with another separator must have no commas.
+    A title and the `skip` lines below the header become blank lines, so that lines keep their numbers.
     """
     stream = _text_lines(path)
     if titled:
@@ -75,7 +76,7 @@ def _table_lines(path: Path, titled: bool, skipped_count: int = 0) -> Iterator[s
         header = ",".join(name if name not in names[:at] else "" for at, name in enumerate(names))
         stream = map(track_arrays.blank_infinite, stream)
     separator = track_columns.find_separator(header)
-    skipped = islice(stream, skipped_count) if skipped_count else ()
+    skipped = islice(stream, skip) if skip else ()
     blank = ["\n"] * (titled + len(list(skipped)))
     if separator in (",", ""):
         yield from chain([header], blank, stream)
@@ -93,7 +94,7 @@ def _table_lines(path: Path, titled: bool, skipped_count: int = 0) -> Iterator[s
 
 
 def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Source:
-    """Return the rows of a table whose column `names` state their contents. `titled`: with a line above these."""
+    """Return the rows of a table whose column `names` state their contents."""
     try:
         named = track_columns.find_columns(names)
     except InputError as error:
@@ -146,13 +147,11 @@ def _renumber_clusters(values: dict[str, Array], clusters: Array) -> str:
     """Replace `particle` by numbers unique in all clusters of MTrackJ, and return a note."""
     pairs = np.stack([clusters, values["particle"]], axis=1)
     known = np.isfinite(pairs).all(axis=1)
-    clusters_and_tracks, numbers = np.unique(pairs[known], axis=0, return_inverse=True)
+    tracks, numbers = np.unique(pairs[known], axis=0, return_inverse=True)
     values["particle"] = np.full(len(clusters), np.nan)
     values["particle"][known] = numbers.ravel()
-    shown = ", ".join(
-        f"{at} TID {track:g} of CID {cluster:g}" for at, (cluster, track) in enumerate(clusters_and_tracks[:6])
-    )
-    return f"walkers are numbered: {shown}{', ...' if len(clusters_and_tracks) > 6 else ''}"
+    shown = ", ".join(f"{at} TID {track:g} of CID {cluster:g}" for at, (cluster, track) in enumerate(tracks[:6]))
+    return f"walkers are numbered: {shown}{', ...' if len(tracks) > 6 else ''}"
 
 
 def _program_warnings(program: str) -> tuple[str, ...]:
@@ -161,10 +160,10 @@ def _program_warnings(program: str) -> tuple[str, ...]:
     return ()
 
 
-def _detect_program(names: Sequence[str], columns_by_kind: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:
+def _detect_program(names: Sequence[str], by_kind: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:
     """Return the program that writes columns of these names, and whether its y counts downward."""
     present = set(names)
-    if {"t_s", "x_mm"} <= present and "y" not in columns_by_kind:
+    if {"t_s", "x_mm"} <= present and "y" not in by_kind:
         return WALKERGEN_PROGRAM, False
     for program, its_columns in (
         (WALKERGEN_PROGRAM, {"t_s", "x_mm", "theta_rad"}),
@@ -182,11 +181,11 @@ def _detect_program(names: Sequence[str], columns_by_kind: Mapping[str, NamedCol
     return ("Tracker", False) if titled else ("", False)
 
 
-def _read_labels(path: Path, titled: bool, skipped_count: int, name: str) -> list[str]:
-    """Return the labels of walkers in the column `name`; [] if they are numbers."""
+def _read_labels(path: Path, titled: bool, skip: int, name: str) -> list[str]:
+    """Return the labels of walkers in a column, [] if they are numbers; `skip` lines below the header."""
     if not name:
         return []
-    labels = columns.distinct_texts(_table_lines(path, titled, skipped_count), str(path), name)
+    labels = columns.distinct_texts(_table_lines(path, titled, skip), str(path), name)
     return labels if any(map(_is_word, labels)) else []
 
 
@@ -200,23 +199,26 @@ def _is_word(label: str) -> bool:
 
 
 def _read_units_below(
-    path: Path, names: list[str], columns_by_kind: dict[str, NamedColumn]
+    path: Path, names: list[str], by_kind: dict[str, NamedColumn]
 ) -> tuple[int, dict[str, NamedColumn]]:
-    """Count TrackMate's lines below the header that are no rows; return them, and columns with their units."""
+    """Count TrackMate's lines below the header that are no rows; return them, and its columns with their units.
+
+    `by_kind`: columns by their contents (x, time and so on).
+    """
     lines = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
     index = names.index("POSITION_X")
     count = next((at for at, row in enumerate(rows) if index < len(row) and _is_number(row[index])), len(rows))
     if not count:
-        return 0, columns_by_kind
+        return 0, by_kind
     unit_row = rows[count - 1]
     units = {
         kind: track_columns.canonical_unit(unit_row[names.index(column.name)].strip("() "))
-        for kind, column in columns_by_kind.items()
+        for kind, column in by_kind.items()
         if names.index(column.name) < len(unit_row)
     }
     known = {kind: unit for kind, unit in units.items() if unit in track_columns.UNITS_BY_COLUMN.get(kind, ())}
-    return count, {kind: column._replace(unit=known.get(kind, "")) for kind, column in columns_by_kind.items()}
+    return count, {kind: column._replace(unit=known.get(kind, "")) for kind, column in by_kind.items()}
 
 
 def _is_number(text: str) -> bool:
@@ -224,23 +226,21 @@ def _is_number(text: str) -> bool:
 
 
 def _from_pairs(
-    path: Path, columns_by_kind: Mapping[str, NamedColumn], axes_by_label: Mapping[str, tuple[str, str]], titled: bool
+    path: Path, by_kind: Mapping[str, NamedColumn], pairs: Mapping[str, tuple[str, str]], titled: bool
 ) -> Source:
-    """Read a table with one row a frame, and columns of x and y for every walker, by its label."""
-    clock = next((what for what in ("frame", "time") if what in columns_by_kind), "")
-    names = [name for pair in axes_by_label.values() for name in pair]
-    table = columns.read_numbers(
-        path, [columns_by_kind[clock].name] if clock else (), names, lines=_table_lines(path, titled)
-    )
-    times = table.values[columns_by_kind[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
-    by_program = all(label.isdigit() for label in axes_by_label)
-    said = track_columns.format_labels(()) if by_program else track_columns.format_labels(tuple(axes_by_label))
+    """Read a table with one row a frame, and `pairs` of columns x and y by the label of each walker."""
+    clock = next((what for what in ("frame", "time") if what in by_kind), "")
+    names = [name for pair in pairs.values() for name in pair]
+    table = columns.read_numbers(path, [by_kind[clock].name] if clock else (), names, lines=_table_lines(path, titled))
+    times = table.values[by_kind[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
+    by_program = all(label.isdigit() for label in pairs)
+    said = track_columns.format_labels(()) if by_program else track_columns.format_labels(tuple(pairs))
     if not clock:
         said += ("rows are taken for frames, one after the other",)
-    walkers = [(table.values[x], table.values[y]) for x, y in axes_by_label.values()]
-    numbers = [float(label) for label in axes_by_label] if by_program else [float(n) for n in range(len(axes_by_label))]
+    walkers = [(table.values[x], table.values[y]) for x, y in pairs.values()]
+    numbers = [float(label) for label in pairs] if by_program else [float(n) for n in range(len(pairs))]
     long = track_columns.to_long_table(table, clock or "frame", times, walkers, numbers)
     unit = track_columns.PIXEL if by_program else ""
     own = {"x": NamedColumn(names[0], unit), "y": NamedColumn(names[1], unit)}
-    own[clock or "frame"] = columns_by_kind[clock] if clock else NamedColumn("row", "")
+    own[clock or "frame"] = by_kind[clock] if clock else NamedColumn("row", "")
     return Source(long, own, "idtracker.ai" if by_program else "", by_program, said=said)

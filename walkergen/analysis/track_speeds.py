@@ -1,8 +1,7 @@
 """Rows of a file of speeds that name tracks instead of a speed, and the speeds of these tracks.
 
-A row represents one walker of the tracks, by its number in the column `particle`, or each of
-them. Its speed and standard error are those that `analyse` gives for that single walker. If the
-tracks are too short for errors, a row for all is their mean, as `analyse` gives it.
+A row represents one walker of the tracks, by its number in the column `particle`, or each of them, with speed and
+standard error from `analyse`. If tracks are too short for errors, a row for all is their mean.
 """
 
 import math
@@ -139,10 +138,7 @@ def _read_film(path: Path) -> _Film:
 
 
 def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
-    """Yield the walkers that the row `at` of the table represents: that with this number, or all if it is NaN.
-
-    Raises InputError for a number that the tracks do not have.
-    """
+    """Yield the walkers that row `at` of the table names by number, or all if NaN. Raises InputError for others."""
     lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
         unknown = all(walker.speed is None for walker in lone)

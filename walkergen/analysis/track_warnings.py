@@ -31,10 +31,7 @@ def find_all(tracks: Tracks) -> list[str]:
 
 
 def describe_scale_error(share: float | None) -> str:
-    """Describe the effect of the scale's relative error; '' if it is 0, as in a simulation.
-
-    None is an unknown error.
-    """
+    """Describe the effect of the scale's relative error; '' if it is 0, as in a simulation; None: unknown."""
     if share is None:
         return (
             "the scale's error is not known and in no number: give the scale with its error, as ‹mm_per_px=›0.05+-0.001"
@@ -64,9 +61,9 @@ def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
 
 
 def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
-    """Return a warning if headings fit displacements only when turned or mirrored; [] otherwise.
+    """Return a warning if headings fit displacements only when turned or mirrored, beyond chance.
 
-    `groups`: tracks of each independent sample. Displacements that chance alone aligns with headings give none.
+    `groups`: the tracks of each independent sample.
     """
     sums = np.zeros((len(groups), 2), dtype=complex)
     for number, group in enumerate(groups):

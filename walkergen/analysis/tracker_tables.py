@@ -65,10 +65,7 @@ def read_tracker(path: Path, count: int) -> Source:
 def _csv_lines(
     path: Path, header_index: int, separator: str, names: Sequence[str], indices: Sequence[int]
 ) -> Iterator[str]:
-    """Yield a CSV file's lines with the columns at these indices; the first line holds the new names.
-
-    The file's own names are on the line `header_index`, counted from 0.
-    """
+    """Yield a CSV file's lines: new names, then the columns at these indices, below line `header_index` (from 0)."""
     yield ",".join(names) + "\n"
     stream = file_reading.read_lines(path, columns.FORMAT_NAME)
     for at, line in enumerate(chain(["\n"] * header_index, islice(stream, header_index + 1, None)), 2):

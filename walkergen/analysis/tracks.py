@@ -48,8 +48,7 @@ class Tracks(NamedTuple):
 def from_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
     """Build tracks of simulated walkers, numbered from 0, `interval` s between samples.
 
-    Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only x counts, as in a film
-    of one.
+    Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only x counts.
     """
     tracks = (
         Track(number, rows[:, :1] if lane else rows[:, :2], None if lane else rows[:, 2])

@@ -1,7 +1,6 @@
 """Turning rates of walkers: their scatter between walkers, and the diffusion of each one's heading.
 
-An analysis of variance of pieces of tracks. Pieces have to outlast the memory of the turning rate;
-where gaps are too long to tell the turn within them, so do the stretches between gaps.
+The method is an analysis of variance over pieces of tracks. Pieces must outlast the memory of the turning rate.
 """
 
 import math
@@ -23,12 +22,11 @@ WALLED_PIECES = 16
 """The same between walls, where some pieces hold no free motion."""
 
 MIN_GAP_CORRELATION = 0.6
-"""Correlation of headings across a gap, at least, for the turn within it to be known: of normal
-turns one in 500 is then beyond a half turn, and taken for one the other way round."""
+"""Least correlation of headings across a gap for the turn within it to be known (one normal turn in 500 is then
+wrong)."""
 
 MIN_VARIANCE_SHARE = 0.5
-"""Share of its variance, at least, that a memory leaves a piece's turn: e^(-t / memory) of the memory, which is
-left out, is then a tenth of what it takes at most. A memory that is not known to that share counts as none."""
+"""Least share of its variance that a memory leaves a piece's turn. A memory with a larger error counts as none."""
 
 
 class Turning(NamedTuple):
@@ -67,7 +65,7 @@ def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
 def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
     """Return the longest gap, of at most `size` samples, across which turns are known; 1: none.
 
-    `units`: for each walker unit vectors of its headings as complex numbers, NaN if unknown.
+    `units`: headings of each walker as complex unit vectors, NaN if unknown.
     """
     gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
     lags = np.unique(np.concatenate(gaps))
@@ -84,8 +82,7 @@ def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
 def _walker_turning(track: Track, vectors: Complex, size: int, longest_gap: int, interval: float) -> Turning | None:
     """Measure the turning of one walker in pieces of about `size` samples; None without two pieces.
 
-    `vectors`: unit vectors of its headings as complex numbers. Turns across more than `longest_gap` samples are left
-    out; samples are `interval` s apart.
+    `vectors`: its headings as complex unit vectors. Turns across more than `longest_gap` samples are left out.
     """
     seen = np.flatnonzero(~np.isnan(vectors))
     steps = np.diff(seen)

@@ -1,9 +1,7 @@
 """Errors of numbers by the jackknife, whether turning lasts, and reasons to refuse a number.
 
-Rates of turning may last for a while (a memory): tracks show it, exclude it, or leave it open. If it is open, headings
-that lose direction late look like noise of the headings. An exponential would then give a persistence too long, with an
-error that ignores this. So the rate is that of the fit with a memory. Its error holds for walkers without a memory as
-well.
+Rates of turning may last for a while (a memory): tracks show it, exclude it, or leave it open. If it is open, the
+persistence is that of the fit with a memory, whose error holds for walkers without one as well.
 
 `frame` has the settings, `fitted` the fit of the squared displacement (None in a lane), `longest_s` its longest lag.
 Functions that refuse return reasons by the names of numbers.
@@ -78,7 +76,7 @@ def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> fl
 def choose_memory(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[dict[str, float]]]:
     """Decide from the tracks whether turning has a memory; return the frame for that, and its numbers.
 
-    `sums` are those of all samples, then of those without each one, and so are the numbers.
+    `sums` and numbers are those of all samples, then without each one.
     """
     if frame.lane or not frame.headed:
         return frame, evaluate_all(sums, frame)
@@ -114,10 +112,7 @@ def _is_shorter(memory: Quantity, seconds: float) -> bool:
 def _merge_persistence(
     plain: Sequence[Mapping[str, float]], with_memory: Sequence[Mapping[str, float]]
 ) -> list[dict[str, float]]:
-    """Return the `plain` numbers with persistence and memory replaced by those of fits with a memory.
-
-    The memory itself is there to name a bound.
-    """
+    """Return the `plain` numbers, with persistence and memory from the fits with a memory."""
     names = "persistence_rate", "persistence_time", "turning_memory"
     return [
         {
@@ -168,7 +163,7 @@ def attach_errors(
 
 
 def _bound_reason(number: Quantity, unit: str, scale: float = 1.0, root: bool = False) -> str:
-    """Return the reason that names a bound, in `unit`, on scale x a number, or on its root."""
+    """Return a text with the upper bound (95 %) of a number, or its `root`, times `scale`; '' if there is none."""
     value, se = number.pair
     most = max(value, 0.0) + 2.0 * se
     bound = scale * (math.sqrt(most) if root else most)

@@ -1,9 +1,7 @@
 """Walls about walkers: found by the hull of their tracks, and kept out of what is measured of free motion.
 
-A walker at a wall is slowed and turned by it. What is measured between two times therefore counts only where
-the first place is so far from every wall that none could be reached in between, even straight on at the
-highest speed. That is decided before the walker goes on: stretches that were cut where a wall was reached
-would be those of walkers that turned away in time, and their persistence too short.
+A pair of times counts only if the first place is so far from every wall that none could be reached in between at the
+highest speed. To cut tracks where they meet a wall would favour walkers that turn away in time.
 """
 
 import math
@@ -23,25 +21,24 @@ BAND_DEPTH, INSIDE_DEPTH = 0.05, 0.15
 """Depths below the hull of the tracks, as shares of its width, of a band along it and of its inside."""
 
 MIN_PLACES, MIN_VISITS, MIN_INSIDE_SHARE = 100, 4, 0.1
-"""Minimum numbers of places, and of visits of the band from inside, and minimum share of the places inside, for a
-hull that may be a wall: a walker on a circle is hardly ever inside."""
+"""Minimum numbers of places and of visits of the band from inside, and minimum share inside, for a hull that may be a
+wall."""
 
 MIN_CROWDING = 2.1
-"""Minimum ratio of the band's share of the places to its share of the area, for walkers held there. Walkers that slide
-along a wall have 2.2 or more, free ones 1.9 or less (films of 40 to 400 s of five kinds)."""
+"""Minimum ratio of the band's share of the places to its share of the area. Walkers along a wall have 2.2 or more, free
+ones 1.9 or less."""
 
 PRESSED_CROWDING, PRESSED_INSIDE_SHARE = 3.6, 0.01
 """The same, and the share that is inside, of walkers that hardly leave their walls."""
 
 SLIDING_DEPTH, MIN_SLIDING_SHARE, MIN_CROSSING_SHARE, MIN_CORNERED_GIRTH = 0.01, 0.5, 0.005, 1.15
-"""Depth, as a share of the width, above which more than this share of the places lie if walkers slide along walls
-for most of the time, and the share that is then inside: a visit is enough. Free walkers whose way is longer than
-the hull's girth have 0.42 or less (33 kinds of films, 60 each), but for those on a circle. These are never inside,
-and their hull's squared girth is hardly more than that of a disc (1; of a square 1.27)."""
+"""Walkers that slide along walls: depth (share of the width), least share of the places within it, least share inside,
+and least squared girth of the hull over that of a disc. Free walkers have 0.42 or less within this depth, except on a
+circle, never inside and with a girth near 1 (square: 1.27)."""
 
 EVEN_CROWDING, STATIONARY_SHARES = 0.8, ((32, 0.4), (16, 0.5))
-"""The same ratio for walkers that a wall turns back immediately, if their squared displacement is constant too: from
-these parts of the longest track on it is such a share of that of unrelated places. Free walkers' is not."""
+"""The same ratio for walkers that turn back at a wall, with a constant squared displacement: from these parts of the
+longest track on, at least this share of that of unrelated places."""
 
 LAG_COUNT, LAST_LAG_DIVISOR = 12, 8
 """Number of lags with a constant squared displacement, up to this part of the longest track."""
@@ -53,8 +50,8 @@ SPEED_QUANTILE = 0.995
 """Quantile of the displacements that gives the speed toward walls."""
 
 TOUCHING_DEPTH, AWAY_DEPTH, MIN_DEPTH_SHARE = 0.5, 3.0, 0.01
-"""Maximum depth of a walker at a wall, and minimum depth of one that has left it: ways of its velocity, or shares of
-the width if these ways are smaller than the last value."""
+"""Maximum depth of a walker at a wall, minimum depth of one that left it (in steps of its velocity), and least such
+step over the width."""
 
 MAX_OUTLIER_SHARE, MAX_PEELS = 0.002, 5
 """Maximum share of the places beyond the hull, and maximum number of rounds that remove its corners."""
@@ -139,9 +136,9 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
 
 
 def _is_sliding(depths: Sequence[Array], width: float, cornered: bool) -> bool:
-    """Return whether walkers slide along their hull for most of the time, and cross it or follow its corners.
+    """Return whether walkers mostly slide along their hull, and cross it or follow its corners (`cornered`).
 
-    `depths` (mm, by track) below the hull, `width` of the hull (mm), `cornered`: whether it is no disc.
+    `depths` below the hull by track, and its `width`, mm.
     """
     depth = np.concatenate(depths)
     depth = depth[~np.isnan(depth)]
@@ -153,9 +150,9 @@ def _is_sliding(depths: Sequence[Array], width: float, cornered: bool) -> bool:
 def _is_confining(
     tracks: Tracks, places: Array, depths: Sequence[Array], width: float, area: float, girth: float
 ) -> bool:
-    """Return whether the hull of the tracks is a wall that holds walkers back.
+    """Return whether the hull of the tracks is a wall that holds walkers back. All lengths are in mm.
 
-    `places`: shape (n, 2), mm; `depths` below the hull by track; `width`, `area` and `girth` of the hull, mm.
+    `depths` below the hull are by track.
     """
     band = BAND_DEPTH * width
     visits = sum(_count_visits(depth, band, INSIDE_DEPTH * width) for depth in depths)
@@ -204,10 +201,7 @@ def _displacements(track: Track, step: int) -> Array:
 
 
 def _convex_hull(places: Array) -> tuple[Array, float, float]:
-    """Return edges, area and girth of the convex hull of places, mm, without a few outermost ones.
-
-    Edges are normals and offsets, shape (edges, 3).
-    """
+    """Return edges (normals and offsets), area and girth of the convex hull of places, mm, without a few outermost."""
     from scipy.spatial import ConvexHull
 
     fewest = (1.0 - MAX_OUTLIER_SHARE) * len(places)
