@@ -45,18 +45,18 @@ class Encoded(NamedTuple):
 
 
 def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress) -> Encoded:
-    """Draw `count` frames in order into both files; in the GIF the last one stays for `hold_s`.
+    """Draw `count` frames in order into a GIF, whose last frame stays for `hold_s`, and an MP4.
 
-    The MP4 has no still frames: programs that track it would find walkers that stop.
-    `fps` must divide 100: a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB) are
-    exact in the GIF however rare they are. Equal frames give equal bytes.
+    The MP4 has no still frames: programs that track it would find walkers that stop. `fps` must divide 100: a GIF
+    counts in hundredths of a second. The colours `keep` (#RRGGBB) are exact in the GIF however rare they are. Equal
+    frames give equal bytes.
     """
     palette = _choose_palette(draw, count, keep)
     return Encoded(*_write_film(draw, count, fps, progress, lambda frames: _encode_gif(frames, palette, fps, hold_s)))
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
-    """Draw `count` frames in order into an MP4 alone; None without one, with the reason.
+    """Draw `count` frames in order into an MP4 alone; without ffmpeg return None and the reason.
 
     For pictures with so much motion that a GIF would be many times as large.
     """
@@ -109,7 +109,7 @@ def _choose_palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
 def _stream_frames(
     draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress
 ) -> Iterator[Pixels]:
-    """Draw the frames and send each to ffmpeg as well."""
+    """Yield the frames, and send each to ffmpeg as well, if it runs."""
     for at in range(count):
         frame = draw(at)
         if ffmpeg is not None and ffmpeg.poll() is None:
@@ -161,7 +161,7 @@ def _start_ffmpeg(
 def _close_ffmpeg(
     ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]
 ) -> tuple[bytes | None, str]:
-    """Close ffmpeg; returns the MP4, or None and the reason."""
+    """Close ffmpeg; return the MP4 from `target`, or None and the reason."""
     if ffmpeg is None:
         return None, NO_FFMPEG_REASON
     ffmpeg.communicate()

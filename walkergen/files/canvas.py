@@ -39,14 +39,14 @@ class Canvas:
         self._still: Any = None
 
     def axes(self, left: float, bottom: float, width: float, height: float) -> Axes:
-        """Add axes at a place."""
+        """Add axes in a rectangle, pixels."""
         _, _, whole_width, whole_height = self.figure.bbox.bounds
         return self.figure.add_axes(
             (left / whole_width, bottom / whole_height, width / whole_width, height / whole_height)
         )
 
     def text(self, x: float, y: float, words: str, **style: Any) -> Text:
-        """Write words at a place."""
+        """Write words at a point, pixels; `style` overrides matplotlib's settings of text."""
         style = {"color": INK, "fontsize": NORMAL_PT, "transform": IdentityTransform(), **style}
         return self.figure.text(x, y, words, **style)
 
@@ -62,7 +62,7 @@ class Canvas:
             self._moving.append(artist)
 
     def pixels(self) -> Pixels:
-        """Draw the picture in its present state."""
+        """Return the picture in its present state."""
         if self._still is None:
             self._agg.draw()
             self._still = self._agg.copy_from_bbox(self.figure.bbox)
@@ -73,7 +73,7 @@ class Canvas:
 
 
 def set_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> None:
-    """Show the surroundings of a point (mm), both axes to one scale, without frame or ticks."""
+    """Show the surroundings of a point (mm) at the same scale on both axes, without frame or ticks."""
     _, _, width, height = axes.bbox.bounds
     half_x, half_y = 0.5 * width / pixels_per_mm, 0.5 * height / pixels_per_mm
     axes.set_xlim(centre[0] - half_x, centre[0] + half_x)

@@ -39,7 +39,7 @@ class Bodies(NamedTuple):
 
 
 def format_frames(bodies: Bodies, box: str) -> str:
-    """Write the file's text: a frame for each number, with its bodies by theirs; `box` is from `format_box`."""
+    """Format the file: a frame for each number, bodies in the order of their numbers; `box` from `format_box`."""
     ends = [" ".join(f"{value:.9g}" for value in half) for half in bodies.halves]
     lines = [f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)]
     table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])

@@ -2,13 +2,13 @@
 
 A function that draws a figure is decorated by `style()` and contains only the drawing:
 
-    figure, axes = axes_of(title)                            # or panels_of, grid_of: several panels
-    points(axes, (lag, speed, se), MEASURED, "measured")     # symbols with bars, or
-    curve(axes, (lag, speed, se), SERIES[1], "of turning")   # a line with its error as a band
+    figure, axes = new_axes(title)                                # or new_panels, new_grid: several panels
+    draw_points(axes, (lag, speed, se), MEASURED, "measured")     # symbols with bars, or
+    draw_curve(axes, (lag, speed, se), SERIES[1], "of turning")   # a line with its error as a band
     axes.plot(lag, fit, color=FITTED.colour, label="fit")
-    level(axes, 0.0)                                         # a thin line at a value to compare with
-    name(axes, "lag (s)", "speed (mm/s)", log="x")           # names with units; logarithmic axes
-    axes.legend()                                            # or legend_below(figure)
+    draw_level(axes, 0.0)                                         # a thin line at a value to compare with
+    label_axes(axes, "lag (s)", "speed (mm/s)", log="x")          # names with units; logarithmic axes
+    axes.legend()                                                 # or add_legend_below(figure)
 
 A colour shows a role: blue was measured, orange was fitted or is expected, grey is for comparison.
 Series without a role take the looks of SERIES in turn, with different lines and markers too.
@@ -110,9 +110,9 @@ LETTER_WIDTH_RATIO = 0.52
 
 @contextmanager
 def style(settings: Any = DEFAULT_STYLE) -> Iterator[None]:
-    """Draw figures in this context; also a decorator of functions that draw them.
+    """Draw figures in this context with these settings; also a decorator of functions that draw them.
 
-    A person's settings, as in a matplotlibrc of the current folder, are ignored.
+    A matplotlibrc of the user is ignored.
     """
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
@@ -182,7 +182,7 @@ def new_axes(title: str) -> tuple[Figure, Axes]:
 
 @style()
 def new_panels(title: str, heights: Sequence[float], width: float = COLUMN_INCHES) -> tuple[Figure, list[Axes]]:
-    """Create an empty figure as wide as a column, with panels of these heights (inches) and one x axis."""
+    """Create an empty figure of this width, with panels of these heights (inches) that share one x axis."""
     figure = Figure(figsize=(width, sum(heights)), layout="constrained")
     grid = {"height_ratios": heights}
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
@@ -194,7 +194,7 @@ def new_panels(title: str, heights: Sequence[float], width: float = COLUMN_INCHE
 def new_grid(
     title: str, count: int, across: int, height: float, width: float = PAGE_INCHES, share_y: bool = False
 ) -> tuple[Figure, list[Axes]]:
-    """Create an empty figure of `count` panels, `across` of them side by side, each row as high (inches)."""
+    """Create an empty figure of `count` panels, `across` of them side by side; `height` of a row, inches."""
     rows = -(-count // across)
     figure = Figure(figsize=(width, rows * height), layout="constrained")
     panels = list(figure.subplots(rows, across, squeeze=False, sharey=share_y).flat)
@@ -228,7 +228,7 @@ Errors = Sequence[Any]
 def draw_points(
     axes: Axes, data: Errors, look: Look = MEASURED, label: str = "", hollow: bool = False, joined: bool = False
 ) -> Any:
-    """Draw symbols with bars of their errors, none where an error is NaN; `joined` by the look's line."""
+    """Draw symbols with bars of their errors; `data`: positions, values, errors. `joined`: with a line between."""
     at, value, error = data
     few = len(at) <= MAX_LARGE_POINTS
     return axes.errorbar(
@@ -249,14 +249,14 @@ def draw_points(
 
 
 def draw_curve(axes: Axes, data: Errors, look: Look = FITTED, label: str = "", shade: float = BAND_OPACITY) -> None:
-    """Draw a line, and a band of its errors."""
+    """Draw a line and a band of its errors with opacity `shade`; `data`: positions, values and errors."""
     at, value, error = (np.asarray(part, dtype=float) for part in data)
     axes.plot(at, value, color=look.colour, linestyle=look.line, label=label or None)
     axes.fill_between(at, value - error, value + error, color=look.colour, alpha=shade, linewidth=0)
 
 
 def draw_level(axes: Axes, value: float = 0.0, upright: bool = False) -> None:
-    """Draw a thin line at a value to compare with, behind everything."""
+    """Draw a thin line at a value to compare with, behind everything; vertical if `upright`."""
     draw = axes.axvline if upright else axes.axhline
     draw(value, color=FAINT, linewidth=0.7, zorder=0)
 

@@ -20,7 +20,7 @@ def format_unit(number: Quantity) -> str:
 
 
 def format_value(number: Quantity, unit: str = "") -> str:
-    """Format a value with its error, then its unit, then the reason why there is no error; the reason of no value."""
+    """Format a value with its error and unit, or the reason why there is no error or no value."""
     if number.value is None:
         return number.refused
     if number.se is not None:
@@ -30,13 +30,13 @@ def format_value(number: Quantity, unit: str = "") -> str:
 
 
 def format_bounds(number: Quantity) -> str:
-    """Format the bounds of 95 % to two digits of the error; nothing without any."""
+    """Format the bounds of 95 % to two digits of the error; "" without bounds."""
     ends = number.interval()
     return " to ".join(formatting.format_to_error(number.se, ends)) if ends and number.se else ""
 
 
 def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Column, Column]:
-    """Return the columns of a quantity's name, unit, value with its error, and bounds; a function finds it in a row."""
+    """Return columns of a quantity's name, unit, value with error, and bounds; `number_of` gets it from a row."""
     return (
         Column("", lambda row: format_name(number_of(row))),
         Column("", lambda row: format_unit(number_of(row))),

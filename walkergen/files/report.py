@@ -62,7 +62,7 @@ def _format_if_known(key: str, format_number: Callable[[float], str]) -> Callabl
 
 
 def error_column(heading: str, key: str, se: str) -> Column:
-    """Return a column of numbers and standard errors to their two digits; None is blank, a missing error is omitted."""
+    """Return a column of numbers of the field `key` with errors of the field `se`; None is blank or omitted."""
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
@@ -77,7 +77,7 @@ def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Colum
 
 
 def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Return a column for each key of plain tuples, to four digits, headed by the key; `texts` are the words."""
+    """Return a column for each key of rows that are tuples, headed by the key; `texts`: keys without numbers."""
 
     def column(at: int, key: str) -> Column:
         return Column(key.replace("_", " "), lambda row: format_value(row[at]), key not in texts)
@@ -253,7 +253,7 @@ class Table:
 
 
 def table_from_rows(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
-    """Return a table of at least one named tuple; their fields are the keys."""
+    """Return a table of named tuples, at least one; their fields are the keys."""
     return Table(name, rows, rows[0]._fields, columns, title)
 
 
@@ -267,7 +267,7 @@ def format_value(value: Any) -> str:
 
 
 def to_array(values: Sequence[Any]) -> "npt.NDArray[Any]":
-    """Return the values as an array: of numbers, None as NaN, or of objects if one is no number."""
+    """Return values as an array of numbers, None as NaN; as an array of objects if one is no number."""
     import numpy as np
 
     if all(value is None or formatting.is_number(value) for value in values):
@@ -471,7 +471,7 @@ def _to_markdown(table: "RichTable") -> str:
 
 
 def _strip_markup(cell: Any) -> str:
-    """Return the text of a cell, or of a heading, without its markup."""
+    """Return the text of a cell or heading without Rich's markup."""
     from rich.text import Text
 
     text = Text.from_markup(cell) if isinstance(cell, str) and "[" in cell else cell

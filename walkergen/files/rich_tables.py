@@ -43,7 +43,7 @@ def print_table(table: "Table", console: "Console") -> None:
 
 @contextmanager
 def _temporary_width(console: "Console", width: int) -> Iterator[None]:
-    """Set another width of a console: lines too long for the terminal are left to the terminal to break."""
+    """Set another width of a console in this context: longer lines are left to the terminal to break."""
     before = console.width
     console.width = width
     try:
@@ -61,7 +61,7 @@ class Sizes(NamedTuple):
 
 
 def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
-    """Return the letters that a column needs."""
+    """Return the letters that a column of a table needs."""
     column = table.columns[index]
     cells = [column.header, *column.cells] if table.show_header else [*column.cells]
     texts = [console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells]

@@ -106,9 +106,9 @@ def is_path(text: str) -> bool:
 
 
 def to_toml(model: Section, comment: str, every: bool = True) -> str:
-    """Write a TOML file that `load` reads back, with a comment of one line at its head.
+    """Format a section as a TOML file that `load` reads back, headed by a comment of one line.
 
-    It has every key, or without `every` those alone that were set, because some exclude each other's defaults.
+    It has every key, or without `every` only keys that were set, because some exclude each other's defaults.
     """
     line = "".join(letter if letter.isprintable() else "?" for letter in comment)
     data = model.model_dump(mode="json", exclude_none=True, exclude_unset=not every)

@@ -53,7 +53,7 @@ def page_scripts() -> list[str]:
 
 
 def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
-    """Return the view of one of the parts, to be put into a page once."""
+    """Return the 3D view of some parts, one shown at a time, to be put into a page once."""
     corners = [part.vertices[part.triangles].astype("<f4").tobytes() for part in parts]
     return web_page.fill(
         web_page.ASSETS / "part.html.jinja",
@@ -68,7 +68,7 @@ def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
 
 
 def render_frame(parts: Sequence[Part], title: str) -> str:
-    """Render a frame (HTML) that shows one of the parts, with its size as text below it.
+    """Render a frame (HTML) with the 3D view of some parts, and its size as text below it.
 
     Parts beyond MAX_TRIANGLES are left out, and named. Equal parts give equal text.
     """

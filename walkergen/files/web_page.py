@@ -45,7 +45,7 @@ def fill(template: Path, **values: Any) -> markupsafe.Markup:
 
 
 def from_markdown(text: str, level: int = 1) -> markupsafe.Markup:
-    """Return the HTML of Markdown without its pictures; its largest headings are of a level."""
+    """Return the HTML of Markdown without its pictures; headings begin at `level`."""
     from markdown_it import MarkdownIt
 
     markdown = MarkdownIt("js-default").disable("image")
@@ -57,7 +57,7 @@ def from_markdown(text: str, level: int = 1) -> markupsafe.Markup:
 
 
 def data_url(kind: str, data: bytes) -> str:
-    """Return the address that holds a file of a media type itself."""
+    """Return a data: address that contains a file of this media type."""
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 

@@ -70,7 +70,7 @@ def draw_pictures(
 def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
     """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
 
-    Where `members` are of several designs, labels begin with the design's letter.
+    If `members` are of several designs, labels begin with the design's letter.
     """
     letters = names.design_letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
@@ -230,7 +230,7 @@ def _legend_lines(letters: Mapping[str, str]) -> list[str]:
 
 
 def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
-    """Write a label for each part, as large as fits. `scale`: inches per mm."""
+    """Write a label for each part, as large as fits; `scale`: inches per mm."""
     letters = names.design_letters(members)
     rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
     for placed in plate.placements:
@@ -246,7 +246,7 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
 
 
 def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Return the middle of a label between two equal legs, from the box's corner, and its font's height, mm.
+    """Return x, y and font height (mm) of a label between two equal legs, from the box's corner.
 
     Halfway up, legs that lean are as far to the right of their feet.
     """
@@ -257,10 +257,10 @@ def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, 
 
 
 def _fit_on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Fit a label on a part next to its legs: its middle, from the box's corner, and its font's height.
+    """Return x, y and font height (mm) of a label on a part next to its legs, from the box's corner.
 
-    With x shrunk by the label's width over its height the label is a square, and the square in the
-    largest circle that the part holds is the largest label, but for a few percent.
+    With x divided by width over height of the label it is a square. The square in the largest circle within the part is
+    almost the largest label.
     """
     import shapely
 

@@ -66,7 +66,7 @@ def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: T
 
 
 def _make_answer(wanted: Tolerance, choice: Choice, known: str, known_to: str = "") -> Answer:
-    """Return the answer that states a choice."""
+    """Return the answer that states a choice, of the source `known`; `known_to` is added to its reason."""
     takes_s = choice.wall_time_s(os.cpu_count() or 1)
     return Answer(wanted, choice.candidate.flags, choice.runs, choice.seconds, takes_s, known, choice.reason + known_to)
 
@@ -173,7 +173,7 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
 def draw_choice(
     title: str, candidates: Sequence[Candidate], found: Sequence[AnswerAndChoice], marks: "Sequence[Mark]", floor: float
 ) -> "Figure":
-    """Draw candidates, answers and measured biases."""
+    """Draw candidates, answers and measured biases down to the reference's error `floor`."""
     from walkergen.commands.accuracy import figures
 
     points = [figures.Point(*point) for point in _list_points(found, floor)]

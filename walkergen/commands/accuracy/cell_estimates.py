@@ -80,7 +80,7 @@ class Estimate(NamedTuple):
         return "measured" if self.cell else "scaled"
 
     def candidates(self, loop_s: float) -> list[Candidate]:
-        """Return all candidate steps. `loop_s`: CPU seconds of this machine for a simulated second of the loop."""
+        """Return all candidate steps; `loop_s`: CPU time per simulated second of the benchmark walker here."""
         return [
             Candidate(
                 None if step == 1.0 else float(f"{step * self.own_us:.3g}"),
@@ -105,9 +105,9 @@ def estimate(design: Design, scene: Scene) -> Estimate:
 
 
 def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
-    """Return the estimate with the walker's own speed and cost. The ratio of scatter to speed is unchanged.
+    """Return the estimate with the walker's own speed and cost, from a simulated second.
 
-    The estimate is returned unchanged if a second takes long or does not end well.
+    The ratio of scatter to speed is unchanged; so is the estimate if the run takes long or does not end well.
     """
     if run_time.rate_from_steps(plan) > run_time.MAX_START_S:
         return found
@@ -139,7 +139,7 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
     period_ratio = CELLS_FREQUENCY_HZ / drive.frequency
 
     def work(step: float) -> float:
-        """Return the cost of a simulated second at a step, relative to the loop's."""
+        """Return the cost of a simulated second at a step, relative to the benchmark's."""
         return relative_work * _interpolate(
             rows, lambda steps: _fit_work(steps, step), tilt, restitution, logarithmic=True
         )
@@ -198,6 +198,7 @@ def _interpolate(
     tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 
     def value_at(own_tilt: float, own_restitution: float) -> float:
+        """Return the value, or its logarithm, of the cell at a tilt and restitution."""
         value = value_of(by_cell[own_tilt, own_restitution])
         return math.log(value) if logarithmic else value
 

@@ -84,14 +84,14 @@ class Choice(NamedTuple):
 
 
 def choose(candidates: Iterable[Candidate], allowed: float) -> Choice | None:
-    """Return the choice that meets an error in the least CPU time; None where no candidate does."""
+    """Return the choice that meets the `allowed` error in the least CPU time; None if no candidate does."""
     good = [candidate for candidate in candidates if candidate.bias <= MAX_BIAS_SHARE * allowed]
     choices = (_size_runs(candidate, allowed, runs) for candidate in good for runs in RUN_COUNTS)
     return min(choices, key=lambda choice: choice.cpu_s, default=None)
 
 
 def _size_runs(candidate: Candidate, allowed: float, runs: int) -> Choice:
-    """Return the length that runs need: half-widths of bias and scatter add in squares, as bounds do."""
+    """Return the choice of the shortest runs that meet the `allowed` error; bias and scatter add in squares."""
     bias, variance_time = candidate.bias, candidate.variance_time
     wide = student_quantile(runs - 1.0, 0.975)
     variance = (allowed**2 - bias**2) / wide**2

@@ -66,7 +66,7 @@ class Front(NamedTuple):
 
 
 def compute_front(candidates: Sequence[Candidate], longest_s: float) -> Front:
-    """Return the least error of some candidates up to a time, from where the first of them has one."""
+    """Return the least error of the candidates against CPU time, up to `longest_s`."""
     cheapest = min(one.cpu_per_s * (RUN_COUNTS[0] * one.discard_s + MIN_CURVE_S) for one in candidates)
     cpu = np.geomspace(cheapest, max(longest_s, 3.0 * cheapest), 400)
     scatter = np.array([one.scatter_error(cpu) for one in candidates])
@@ -133,13 +133,13 @@ def _draw_floor(axes: Axes, shown: FigureData) -> None:
 
 
 def _set_limits(axes: Axes, times: Sequence[float], errors: Sequence[float], floor: float) -> None:
-    """Set the ends of the axes: where simulations are, with room for names on the right and words below."""
+    """Set the limits of both axes from CPU times (s) and errors, with space for labels."""
     axes.set_xlim(min(times, default=0.1) / AXIS_MARGIN_FACTOR, 3.0 * AXIS_MARGIN_FACTOR * max(times, default=10.0))
     axes.set_ylim(0.5 * floor, min(AXIS_MARGIN_FACTOR * max(errors, default=1.0), AXIS_MARGIN_FACTOR * ERROR_TICKS[0]))
 
 
 def _annotate_point(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
-    """Write text next to a point."""
+    """Write text next to the point `at`, shifted by `offset` in points."""
     halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": MIN_FONT_PT, "zorder": 5}
     axes.annotate(text, at, offset, textcoords="offset points", va="center", color=colour, **halo)
 

@@ -30,7 +30,7 @@ LOOP_S, LOOP_COUNT = 1.0, 7
 
 
 def cpu_per_s() -> float:
-    """Return the CPU seconds of a simulated second of the loop on this machine. Measure and cache them if necessary."""
+    """Return the CPU time per simulated second of the benchmark walker here, from the cache or measured."""
     path = _cache_path()
     try:
         kept = float(json.loads(path.read_text(encoding="utf-8"))["cpu_s_per_s"])
@@ -44,14 +44,14 @@ def cpu_per_s() -> float:
 
 
 def measure_cpu_per_s(loops: int = LOOP_COUNT) -> float:
-    """Measure the CPU seconds of a simulated second of the loop: the median of some loops, after an untimed one."""
+    """Measure the CPU time per simulated second of the benchmark walker: the median of `loops` runs."""
     plan = _loop_plan()
     compile_kernels(plan)
     return statistics.median(_time_loop(plan) for _ in range(loops)) / LOOP_S
 
 
 def _loop_plan() -> Plan:
-    """Return the plan of the loop that is timed."""
+    """Return the plan of the benchmark walker's run."""
     design = templates.load(BENCHMARK_WALKER, "walkers", Design).variant(tilt_deg=BENCHMARK_TILT_DEG)
     scene = templates.load(BENCHMARK_SCENE, "scenes", Scene)
     walker = Walker(scene, design, solids.mass_of(design))
@@ -59,7 +59,7 @@ def _loop_plan() -> Plan:
 
 
 def _time_loop(plan: Plan) -> float:
-    """Return the CPU time of one loop, s."""
+    """Return the CPU time of the run of a plan, s."""
     started = time.thread_time()
     simulate(plan, 0)
     return time.thread_time() - started

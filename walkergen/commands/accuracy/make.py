@@ -33,7 +33,7 @@ def study(design: Design, scene: Scene, budget_s: float | None, folder: Path, pr
     ladders: list[Ladder] = []
 
     def write(given: Answers | None, survey: Survey | None) -> Report:
-        """Write the report of everything measured so far."""
+        """Write the report of everything measured so far, with the given answers, if any."""
         simulated_s = 0.0 if survey is None else survey.simulated_s
         spent_s = simulated_s + STARTUP_S + PICTURE_S
         least_s = spent_s if survey is not None and survey.too_short and spent_s > (budget_s or 0.0) else None

@@ -1,4 +1,7 @@
-"""The ladders of steps: biases of the mean speed and of everything that is printed, orders and costs."""
+"""The ladders of steps: biases of the mean speed and of everything that is printed, orders and costs.
+
+A rung of a ladder is a step with its error and cost.
+"""
 
 from collections.abc import Sequence
 
@@ -53,7 +56,7 @@ def format_reference(survey: Survey) -> str:
 
 
 def _speed_rung(survey: Survey, measured: StepMeasurement) -> Rung:
-    """Return the rung of a step with its bias and cost."""
+    """Return the rung of a measured step for the mean speed."""
     bias, unit = survey.bias(measured), survey.unit
     return Rung(
         "simulation",

@@ -72,7 +72,7 @@ def rows_by_cell(rows: Iterable[Row]) -> list[list[Row]]:
 
 @cache
 def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
-    """Fit the laws of slow walkers (True) and of the others to cells whose plate has a peak speed, mm/s."""
+    """Fit the laws of the bias to cells, for slow walkers (True) and others; plate's `peak` speed, mm/s."""
     referenced = [
         cell
         for cell in rows_by_cell(cells.read_rows() if rows is None else rows)
@@ -85,7 +85,7 @@ def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law
 
 
 def is_slow(speed: float, peak: float) -> bool:
-    """Return whether errors of a speed are shares of the plate's speed instead."""
+    """Return whether a walker is so slow that its errors are shares of the plate's peak speed."""
     return abs(speed) < MIN_SPEED_RATIO * peak
 
 

@@ -68,7 +68,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
 
 
 def _check_size(side_mm: float) -> list[str]:
-    """Return a note on a size that no walker has; none for any other."""
+    """Return a note if the longest side (mm) is one that no walker has."""
     if size_check.MIN_LENGTH_MM < side_mm <= size_check.MAX_LENGTH_MM:
         return []
     return [

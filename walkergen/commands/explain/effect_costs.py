@@ -105,7 +105,7 @@ def measure(walker: Walker, progress: Progress) -> EffectChanges:
 def _measure_variants(
     walker: Walker, candidates: tuple[Variant, ...], until: Runs | Budget, progress: Progress
 ) -> EffectChanges:
-    """Simulate variants with common random numbers, and return their changes. Raises KeyboardInterrupt."""
+    """Simulate variants `until` a number of runs or a budget; return their changes. Raises KeyboardInterrupt."""
     measured = measuring.measure(Pairs(walker, candidates), until, progress)
     if measured.partial:
         raise KeyboardInterrupt

@@ -73,7 +73,7 @@ def linear_springs(plan: Plan) -> Array:
     """Return the stiffness (g/s^2) of each point of contact in the file, shape (k,).
 
     The leg's corner is in series with the tip's linear spring. A corner lands with its share of the mass at the speed
-    that the step and the surrogate take. A plate that hardly moves is replaced by the weight that rests on a corner.
+    that the step and the surrogate take. If the plate hardly moves, the weight on a corner counts instead.
     """
     walker = plan.world.walker
     share = walker.mass / np.count_nonzero(walker.place == 0.0)
@@ -183,7 +183,7 @@ def _leg_body(free_index: int, name: str, mass: MassProperties, walker: Walker, 
 
 
 def _contact_offsets(walker: Walker) -> Array:
-    """Return the vectors from the anchors of contacts to the contacts, shape (k, 3), mm."""
+    """Return the vector from its anchor to each point of contact, shape (k, 3), mm."""
     return np.column_stack([walker.reach, walker.side])
 
 

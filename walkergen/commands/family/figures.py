@@ -1,4 +1,4 @@
-"""Figures: speed against tilt, as in the paper's figure 2."""
+"""Figures: speed against tilt, as in the paper's figure 2. Functions that draw return their entries of the legend."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -156,7 +156,7 @@ def _draw_simulated(axes: Axes, walkers: Sequence[PlottedWalker], kind: str) -> 
 def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> dict[str, Any]:
     """Draw measured speeds, with bars of 95 % if their errors are known.
 
-    Speeds are drawn at their tilts, or at the positions of walkers with such legs, if given.
+    Speeds are drawn at their tilts or, if given, at the position `at` of the walker with this kind of legs.
     """
     legend: dict[str, Any] = {}
     for kind, look in MEASURED_LOOKS.items():

@@ -260,7 +260,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
 
 
 def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path) -> list[Path]:
-    """Write forms for the masses of each design's copies. Forms that are already filled in stay unchanged."""
+    """Write forms for the masses of each design's copies, except filled-in ones; return the written paths."""
     design_of = dict(zip(names.part_names(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}
     for row in rows:  # with several printers a copy has several rows

@@ -118,7 +118,7 @@ def predict(
 
 
 def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
-    """Return the shares of a walker's bounds; none without bounds. Raises InputError if it was simulated."""
+    """Return the shares of the variance behind a walker's bounds, if any. Raises InputError if it was simulated."""
     if member.row.speed.value is None:
         return ()
     try:

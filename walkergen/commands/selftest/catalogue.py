@@ -5,7 +5,7 @@ from walkergen.commands.selftest.case import Case
 
 
 def _sort_key(case: Case) -> tuple[int, ...]:
-    """Sort key of a case: its section of docs/physics.md by numbers, geometry last."""
+    """Return the sort key of a case: its section of docs/physics.md by numbers, geometry last."""
     numbers = case.section.split(".")
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 

@@ -148,7 +148,7 @@ def _check_coplanar_brace() -> Iterator[Check]:
 
 
 def _check_opening_window() -> Iterator[Check]:
-    """Check the tilt at which leg and brace first part: an edge of no width at the top."""
+    """Check designs near the leg length at which a window between leg and brace opens."""
     for foot, tilt in itertools.product(FEET, (10.0, -40.0)):
         start = _design(kind="braced", foot=foot, tilt_deg=tilt)
         sin, cos = abs(math.sin(start.limbs[0].tilt)), math.cos(start.limbs[0].tilt)
@@ -158,7 +158,7 @@ def _check_opening_window() -> Iterator[Check]:
 
 
 def _check_flush_leg() -> Iterator[Check]:
-    """Check a leg's side in the body's end face: built at the limit, refused an ulp beyond."""
+    """Check a leg whose side lies in the body's end face: built at the limit, refused an ulp beyond."""
     for kind, foot in itertools.product(KINDS, FEET):
         design = _design(kind=kind, foot=foot, tilt_deg=0.0)
         flush = 13.0 + design.limbs[0].thickness

@@ -122,7 +122,7 @@ def _check_painleve_rod() -> Iterator[Check]:
 
 
 def _check_singular_tensor() -> Iterator[Check]:
-    """Check tensors of condition 1e8 to 1e12, held by friction: the impulse that stops the foot."""
+    """Check the impulse that stops a foot held by friction, for inverse masses of condition 1e8 to 1e12."""
     worst = det = 0.0
     for condition in (1e8, 1e10, 1e12):
         x = 1.0 / 3.0
@@ -200,7 +200,7 @@ def _check_mirror_image() -> Iterator[Check]:
 
 
 def _check_leg_masses() -> Iterator[Check]:
-    """Check legs: light, H m / 3 -> P(c) / |c|^2 (docs/physics.md section 2); heavy, H > 0."""
+    """Check a foot's inverse mass H: H m / 3 -> P(c) / |c|^2 for light legs (docs/physics.md section 2), H > 0."""
     design = paper_design(10.0)
     reach = np.array(design.limbs[0].anchor_to_foot)
     worst, least = 0.0, math.inf

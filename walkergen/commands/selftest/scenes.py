@@ -112,8 +112,8 @@ def check_motion(
 ) -> Iterator[Check]:
     """Yield checks of any motion, however extreme: a physical end, finite, over the plate, its energy balanced.
 
-    PHYSICAL_OUTCOMES excludes failed convergence and unexplained energy. `tolerance`: share of the
-    exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
+    PHYSICAL_OUTCOMES excludes failed convergence and unexplained energy. `about` names the motion. Limits:
+    `tolerance` of the energy unaccounted for, as a share; `deepest` for a foot below the plate, mm.
     """
     before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
     sums = np.zeros_like(record.new_tally(0).sums)

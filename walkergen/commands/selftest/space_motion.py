@@ -84,7 +84,7 @@ def _check_planar_motion() -> Iterator[Check]:
 
 
 def _check_tiny_roll() -> Iterator[Check]:
-    """Check that no rule for ties decides: the first landings answer in proportion to the roll."""
+    """Check that first landings change in proportion to a tiny roll: no rule for ties decides."""
     for contact in CONTACTS:
         plan = space_plan(drive=paper_drive(1.8), contact=contact)
         ends = []

@@ -119,7 +119,7 @@ def check_constant_velocity(plan: Plan, seconds: float) -> Check:
 
 
 def check_space_motion(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
-    """Yield the checks of `check_motion` for a motion in space, with the foot's depth that its fall explains."""
+    """Yield the checks of `check_motion` for a motion in space; the foot's depth follows from the fall."""
     fallen = max(plan.energy(state) - plan.energy(plan.initial_state(0.0, 0.0, 0.0)), 0.0)
     speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
     reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"
