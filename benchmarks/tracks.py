@@ -168,7 +168,7 @@ def measure_cell(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
     tracks, known = make_tracks(cell, films, seed)
     counts = {name: [0, 0, 0] for name in known}
     for each in tracks:
-        found = motion.analyse(each, found=walls.find_walls(each)).estimates
+        found = motion.analyse(each, found_walls=walls.find_walls(each)).estimates
         for name, expected in known.items():
             bounds = [found[name.replace(" ", "_")].interval(level) for level in LEVELS]
             inside = [ends is not None and ends[0] <= expected <= ends[1] for ends in bounds]

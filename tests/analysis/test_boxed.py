@@ -18,7 +18,7 @@ def test_walls_are_found_and_free_motion_is_measured():
     found = walls.find_walls(BOX)
     assert found.extent == pytest.approx((150.0, 150.0), rel=0.02)
     assert 0.05 < found.contacts.value < 0.3
-    seen = motion.analyse(BOX, found=found)
+    seen = motion.analyse(BOX, found_walls=found)
     assert "walls about 15" in seen.doubts[0]
     assert "equal times of free motion" in seen.method
     for name, truth in (("speed", 60.0), ("persistence_time", 2.0)):
@@ -30,7 +30,7 @@ def test_walls_are_found_and_free_motion_is_measured():
 
 def test_headings_between_walls_tell_rotational_diffusion():
     tracks = films(2, 1, 200.0, headed=True)[0]
-    numbers = motion.analyse(tracks, found=walls.find_walls(tracks)).estimates
+    numbers = motion.analyse(tracks, found_walls=walls.find_walls(tracks)).estimates
     for name, truth in (("speed", 60.0), ("rotational_diffusion", 0.5)):
         low, high = numbers[name].interval(0.95)
         assert low <= truth <= high, name
@@ -45,7 +45,7 @@ def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
         found = walls.find_walls(tracks)
         assert found is not None
         assert found.extent == pytest.approx(BUG.box, rel=0.03)
-        numbers = motion.analyse(tracks, found=found).estimates
+        numbers = motion.analyse(tracks, found_walls=found).estimates
         for name, truth in (("speed", BUG.speed), ("persistence_time", BUG.persistence)):
             ends = numbers[name].interval()
             if ends is None:

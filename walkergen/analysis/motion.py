@@ -102,13 +102,13 @@ DEFAULT_LAG_S = 0.04
 
 
 def analyse(
-    tracks: Tracks, lag_s: float | None = None, found: Walls | None = None, descent: float | None = None
+    tracks: Tracks, lag_s: float | None = None, found_walls: Walls | None = None, descent: float | None = None
 ) -> Motion:
     """Compute the statistics of all tracks.
 
     `lag_s` (s) is the time of displacements along and across the body: by default DEFAULT_LAG_S, or one sample if that
-    is longer. With walls that were `found` all numbers are of free motion. `descent` is the direction (rad) toward
-    which the plate descends; None: it is level.
+    is longer. With walls all numbers are of free motion. `descent` is the direction (rad) toward which the plate
+    descends; None: it is level.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin (paper's figure 5), mean
     something; the other numbers are refused. Raises InputError when the lag is below one sample or beyond the longest
@@ -121,14 +121,14 @@ def analyse(
             f"‹lag_ms=›{1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
             f"the longest track, {1e3 * shortest * (longest - 1):g} ms"
         )
-    if found is not None:
-        tracks = walls.add_wall_reach(tracks, found)
-    whole = _analyse_one_speed(tracks, lag_s, found, descent)
+    if found_walls is not None:
+        tracks = walls.add_wall_reach(tracks, found_walls)
+    whole = _analyse_one_speed(tracks, lag_s, found_walls, descent)
     plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
     if len(plates) < 2:
         return whole
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
-    analyses = [_analyse_one_speed(tracks._replace(tracks=group), lag_s, found, descent) for group in groups]
+    analyses = [_analyse_one_speed(tracks._replace(tracks=group), lag_s, found_walls, descent) for group in groups]
     speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
@@ -139,7 +139,7 @@ def analyse(
     )
 
 
-def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descent: float | None) -> Motion:
+def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, descent: float | None) -> Motion:
     """Compute the statistics of tracks at one plate speed; arguments as in `analyse`."""
     groups, length = moments.independent_samples(tracks.tracks)
     if not groups:
@@ -147,7 +147,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _choose_grid(tracks, lag_s, length, headed)
     lags = length // FITTED_LAG_DIVISOR
-    if found is not None:
+    if found_walls is not None:
         lags = min(lags, int(grid.square_lags[-1]))
     on_plane = headed and not tracks.lane
     aligned = alignment.self_alignment(groups, tracks.interval, descent)
@@ -185,18 +185,21 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         False,
         np.where(fitted, msd.se, np.nan),
         _jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
-        found is not None,
+        found_walls is not None,
     )
     frame, numbers = verdicts.choose_memory(all_sums, frame)
     numbers, fit = spread_numbers.add_fit(numbers, all_sums, frame, lags)
-    alone = particle_scatter.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
-    together = particle_scatter.compare(alone)
+    means_of_walkers = particle_scatter.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
+    comparison = particle_scatter.compare(means_of_walkers)
     if headed:
         shortened = verdicts.jackknife_quantity(numbers, "shortened")
-        alone = [walker._replace(means=particle_scatter.add_shared_error(walker.means, shortened)) for walker in alone]
-        if together is not None:
-            together = together._replace(means=particle_scatter.add_shared_error(together.means, shortened))
-    few = tracks.tracks if in_pieces and together is not None else ()
+        means_of_walkers = [
+            walker._replace(means=particle_scatter.add_shared_error(walker.means, shortened))
+            for walker in means_of_walkers
+        ]
+        if comparison is not None:
+            comparison = comparison._replace(means=particle_scatter.add_shared_error(comparison.means, shortened))
+    few = tracks.tracks if in_pieces and comparison is not None else ()
     without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in few)]
     unlike, between_turns = verdicts.evaluate_all(without_one, frame), turning.scatter(turnings)
     estimates = verdicts.attach_errors(
@@ -207,14 +210,14 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         spread_numbers.add_refit(unlike[1:], without_one[1:], frame, fit),
         lags * tracks.interval,
         _effective_freedom(parts, int(fitted.sum()) - 1),
-        between_turns.known or (together is not None and together.scatter.known),
+        between_turns.known or (comparison is not None and comparison.scatter.known),
     )
     if in_pieces:
-        estimates |= _speed_means(alone, together, frame)
-    elif together is not None and not (headed or tracks.lane):
-        estimates |= _mean_of_roots(estimates, together.scatter)
+        estimates |= _speed_means(means_of_walkers, comparison, frame)
+    elif comparison is not None and not (headed or tracks.lane):
+        estimates |= _mean_of_roots(estimates, comparison.scatter)
     lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
-    estimates["speed_scatter"] = together.scatter if together else lone
+    estimates["speed_scatter"] = comparison.scatter if comparison else lone
     if on_plane:
         estimates |= interval_laws.turning_scatter_refusals(estimates, between_turns) | {
             "turning_scatter": between_turns
@@ -232,8 +235,12 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
-        method=_describe_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=[*([found.said] if found else []), *_misfit_doubts(fit), *_scatter_doubts(estimates, descent)],
+        method=_describe_method(frame, in_pieces, comparison, len(parts), length * tracks.interval),
+        doubts=[
+            *([found_walls.said] if found_walls else []),
+            *_misfit_doubts(fit),
+            *_scatter_doubts(estimates, descent),
+        ],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
@@ -241,8 +248,8 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         own_s=own_s,
         parallel=_density_curve(grid.bins[0], [sample.density_along for sample in all_sums]),
         orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in all_sums]),
-        walkers=alone,
-        walls=found,
+        walkers=means_of_walkers,
+        walls=found_walls,
     )
 
 

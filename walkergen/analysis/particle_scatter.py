@@ -114,14 +114,14 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns` the mean turn (rad)
     in a sample, by particle.
     """
-    alone = []
+    means_of_walkers = []
     for track in tracks.tracks:
         seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
         seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
         series = _walker_series(track, frame, shortened, turns[track.particle])
         means = {name: _series_mean(name, own, frame) for name, own in series.items()}
-        alone.append(WalkerMeans(track.particle, seconds, means))
-    return alone
+        means_of_walkers.append(WalkerMeans(track.particle, seconds, means))
+    return means_of_walkers
 
 
 def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
@@ -234,13 +234,13 @@ def _error_if_correlated(blocks: Array, block_s: float, piece_s: float) -> tuple
     return error, ""
 
 
-def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
+def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
     """Return the means and the scatter over walkers that were seen for long enough.
 
     None for fewer than two, or if one of them has no speed.
     """
-    longest = max(walker.seconds for walker in alone)
-    walkers = [walker for walker in alone if walker.seconds >= MIN_TIME_SHARE * longest]
+    longest = max(walker.seconds for walker in all_walkers)
+    walkers = [walker for walker in all_walkers if walker.seconds >= MIN_TIME_SHARE * longest]
     if len(walkers) < 2 or any(walker.mean("speed").value is None for walker in walkers):
         return None
     means = {}

@@ -124,7 +124,7 @@ def _column_or_nan(table: Columns, name: str) -> Array:
 def _read_film(path: Path) -> _Film:
     """Return the walkers of a file of tracks, as `analyse` measures them."""
     read = track_files.read_tracks(path, track_files.Units())
-    measured = motion.analyse(read, found=walls.find_walls(read))
+    measured = motion.analyse(read, found_walls=walls.find_walls(read))
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
     speeds = {walker.particle: walker.mean("speed") for walker in measured.walkers}
     mean = measured.estimates["speed"]
