@@ -55,16 +55,12 @@ UNITS = {
 }
 """Names of all estimates, and the unit of each as keys write it.
 
-`speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
-mean square of the part of the velocity that persists for longer than the lag of displacements.
-`sideways_speed` is the mean drift to the left of the heading, `speed_scatter` and `turning_scatter`
-the standard deviations of speeds and turning rates between walkers, `rotational_diffusion` D_r of
-headings about each walker's own mean turning. `diffusivity` is that of long times, of all that
-moves a walker; `translational_diffusion` the part of it that is no run. `persistence_rate` is the
-decay of the correlation of headings about the same mean turning; without headings, of
-displacements, which also lose direction where walkers turn apart. Its error, and that of the
-time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
-`self_alignment` and `slope_turning` are of walkers on a slope (see `alignment`).
+`speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root mean square of the
+velocity that persists for longer than the lag of displacements. `sideways_speed` is the mean drift to the left of the
+heading, `speed_scatter` and `turning_scatter` the standard deviations between walkers, `rotational_diffusion` D_r of
+headings about each walker's mean turning. `diffusivity` is that of long times, `translational_diffusion` the part of it
+that is no run. `persistence_rate` is the decay of the correlation of headings about the mean turning; without headings,
+of displacements. Its error, and that of the time and length, allows for a `turning_memory` unless headings exclude it.
 """
 
 FIT_NUMBERS = (
@@ -197,7 +193,7 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
     if use.sum() < 4:
         return
     lag, values = lag[use], values[use]
-    # Turns of the few that are free scatter as the lag and their number say: weights without chance.
+    # Between walls turns are few: weights follow from lag and number, not from their scatter.
     errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else displacement_fit.smooth_errors(lag, errors[use])
     fitted = _fit_decay(lag, values, errors, frame, window)
     if fitted is None:
@@ -242,8 +238,8 @@ def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window:
     """
 
     def model(lags: Array, amplitude: float, rate: float, turn: float) -> Complex:
-        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
         """Return the correlation at these lags (s) of a walk whose directions turn without memory."""
+        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
         return persistent_walk.velocity_correlation(lags * (1.0 - lags / frame.own_s), amplitude, rate, turn, window)
 
     def with_memory(lags: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
@@ -278,7 +274,7 @@ def _log_correlation_at_zero(lag: Array, correlation: Complex) -> float:
 
 
 def _body_velocity(sums: Moments) -> complex:
-    """Return the mean displacement in a sample (mm), along the heading and (imaginary part) to its left.
+    """Return the mean displacement per sample (mm), along the heading and (imaginary part) to its left.
 
     It is extrapolated to the heading's own time, from headings before a displacement and after it separately: there may
     be a cusp between them (headings that diffuse) or none (inertia).

@@ -127,7 +127,7 @@ def _piece_edges(track: Track, count: int) -> Whole:
 
 
 def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
-    """Compute the moments of one track or of a piece of one.
+    """Compute the moments of one track or of a piece of one, at the lags and in the bins of `grid`.
 
     `mean_step` is subtracted in each sample: the mean turn (rad) of the whole track or, in a lane, its mean
     displacement (mm).
@@ -235,7 +235,7 @@ def body_frame_displacements(track: Track, step: int) -> Complex:
 
 
 def heading_displacements(track: Track, turn: float, offset: int) -> Complex:
-    """Return the displacements in a sample (mm) along headings `offset` samples before and after, shape (2, n).
+    """Return the displacements per sample (mm) along headings `offset` samples before and after, shape (2, n).
 
     The imaginary part is to the left; NaN if unknown. Headings are turned to the middle by the mean `turn` (rad per
     sample), and lengths are those on the arc: a walker that turns steadily is not slower, nor drifts aside.

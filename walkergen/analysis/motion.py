@@ -94,7 +94,7 @@ class Motion(NamedTuple):
     """Common error of all lengths, as a share of them (that of `Tracks`), in addition to the errors of
     the estimates; None if unknown."""
     walls: Walls | None = None
-    """Walls around the walkers; None if none were found. With walls all numbers are of free motion."""
+    """Walls around the walkers; None if none were found. With walls all numbers are of motion out of their reach."""
 
 
 DEFAULT_LAG_S = 0.04
@@ -107,7 +107,7 @@ def analyse(
     """Compute the statistics of all tracks.
 
     `lag_s` (s) is the time of displacements along and across the body: by default DEFAULT_LAG_S, or one sample if that
-    is longer. With walls all numbers are of free motion. `descent` is the direction (rad) toward which the plate
+    is longer. With walls all numbers are of motion out of their reach. `descent` is the direction (rad) toward which the plate
     descends; None: it is level.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin (paper's figure 5), mean
@@ -271,7 +271,7 @@ def _level_headings(tracks: Tracks, estimates: Mapping[str, Quantity], descent: 
 
 
 def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
-    """Return the mean turn in a sample of each particle, rad; that of all if its own is unknown."""
+    """Return the mean turn per sample of each particle, rad; that of all if its own is unknown."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
     turns = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
@@ -279,7 +279,7 @@ def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]
 
 
 def _mean_lane_steps(tracks: Tracks) -> dict[int, float]:
-    """Return the mean displacement in a sample of each particle in a lane, mm."""
+    """Return the mean displacement per sample of each particle in a lane, mm."""
     sums = {track.particle: moments.net_displacement(track) for track in tracks.tracks}
     return {particle: float(displacement / max(samples, 1.0)) for particle, (displacement, samples) in sums.items()}
 

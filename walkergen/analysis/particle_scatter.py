@@ -80,20 +80,20 @@ class _Series(NamedTuple):
         return np.asarray(self.unit * (np.sqrt(np.abs(ratio)) if self.squared else ratio.real))
 
 
-def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Quantity:
+def walker_scatter(name: str, values: Array, noise: float, noise_freedom: float) -> Quantity:
     """Estimate the standard deviation between walkers, without the part that errors of their values cause.
 
-    `values`, shape (n,) with n >= 2, have errors of mean variance `noise`, known with `inside` degrees of freedom. They
-    are assumed to be normally distributed. Refused with an upper bound if walkers may be equal.
+    `values`, shape (n,) with n >= 2, are assumed normal; their errors have the mean variance `noise`, known with
+    `noise_freedom` degrees of freedom. Refused with an upper bound if walkers may be equal.
     """
-    free = len(values) - 1
+    freedom = len(values) - 1
     total = float(values.var(ddof=1))
     ratio = total / noise if noise > 0 else math.inf if total > 0 else 0.0
-    if fisher_tail(free, inside, ratio) > SCATTER_P_VALUE:
+    if fisher_tail(freedom, noise_freedom, ratio) > SCATTER_P_VALUE:
         from scipy.special import chdtri
 
-        least = chdtri(free, 0.95)  # chi^2 lies above it with 95 %
-        most = math.sqrt(max(total * free / least - noise, 0.0))
+        least = chdtri(freedom, 0.95)  # chi^2 lies above it with 95 %
+        most = math.sqrt(max(total * freedom / least - noise, 0.0))
         bound = (
             f"below {most:.2g} {UNIT_SYMBOLS[UNITS[name]]} (95 %)"
             if most
@@ -103,16 +103,16 @@ def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Qua
     from scipy.special import fdtri
 
     value = math.sqrt(total - noise)
-    se = total * math.sqrt(2.0 / free) / (2.0 * value)
-    least = noise * float(fdtri(free, inside, 1.0 - SCATTER_P_VALUE))
-    return quantity(name, value, se, free)._replace(noise=noise, power=2, least=least)
+    se = total * math.sqrt(2.0 / freedom) / (2.0 * value)
+    least = noise * float(fdtri(freedom, noise_freedom, 1.0 - SCATTER_P_VALUE))
+    return quantity(name, value, se, freedom)._replace(noise=noise, power=2, least=least)
 
 
 def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
     """Compute the numbers of every single walker.
 
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns` the mean turn (rad)
-    in a sample, by particle.
+    per sample, by particle.
     """
     means_of_walkers = []
     for track in tracks.tracks:
@@ -127,7 +127,7 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
 def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
     """Return by name the steps of one track whose means are its speeds and turning rate.
 
-    `shortened`: share of a speed that displacements show; `turn`: mean turn in a sample, rad.
+    `shortened`: share of a speed that displacements show; `turn`: mean turn per sample, rad.
     """
     step, interval = frame.grid.step, frame.interval
     place = moments.complex_position(track)

@@ -94,9 +94,11 @@ def _from_trackmate(path: Path, root: ElementTree.Element) -> Source:
             raise ValueError("it has no Model")
         space, time = model.get("spatialunits", ""), model.get("timeunits", "")
         interval = "" if image is None else image.get("timeinterval", "")
-    seconds = track_columns.TIME_UNITS_S.get(track_columns.canonical_unit(time))
-    second = seconds * float(interval or 0.0) if seconds else None
-    return _from_rows(path, rows, range(1, len(rows) + 1), {}, "TrackMate", track_columns.canonical_unit(space), second)
+    unit_s = track_columns.TIME_UNITS_S.get(track_columns.canonical_unit(time))
+    frame_s = unit_s * float(interval or 0.0) if unit_s else None
+    return _from_rows(
+        path, rows, range(1, len(rows) + 1), {}, "TrackMate", track_columns.canonical_unit(space), frame_s
+    )
 
 
 def _from_tracker(path: Path, root: ElementTree.Element) -> Source:

@@ -2,13 +2,13 @@
 
 A function that draws a figure is decorated by `style()` and contains only the drawing:
 
-    figure, axes = new_axes(title)                                # or new_panels, new_grid: several panels
-    draw_points(axes, (lag, speed, se), MEASURED, "measured")     # symbols with bars, or
-    draw_curve(axes, (lag, speed, se), SERIES[1], "of turning")   # a line with its error as a band
+    figure, axes = new_axes(title)  # or new_panels, new_grid: several panels
+    draw_points(axes, (lag, speed, se), MEASURED, "measured")  # symbols with bars, or
+    draw_curve(axes, (lag, speed, se), SERIES[1], "of turning")  # a line with its error as a band
     axes.plot(lag, fit, color=FITTED.colour, label="fit")
-    draw_level(axes, 0.0)                                         # a thin line at a value to compare with
-    label_axes(axes, "lag (s)", "speed (mm/s)", log="x")          # names with units; logarithmic axes
-    axes.legend()                                                 # or add_legend_below(figure)
+    draw_level(axes, 0.0)  # a thin line at a value to compare with
+    label_axes(axes, "lag (s)", "speed (mm/s)", log="x")  # names with units; logarithmic axes
+    axes.legend()  # or add_legend_below(figure)
 
 A colour shows a role: blue was measured, orange was fitted or is expected, grey is for comparison.
 Series without a role take the looks of SERIES in turn, with different lines and markers too.

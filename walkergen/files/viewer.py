@@ -1,8 +1,7 @@
 """3D view of parts, for a page of its own, or for a notebook in a frame.
 
-The frame is a page of its own: a sandbox keeps it from the notebook's page. The viewer and the meshes are packed, so
-that a saved notebook grows by a fifth of a megabyte and the meshes; every view holds the viewer, because no frame can
-reach another's.
+A frame is a sandboxed page of its own. Every view holds the viewer and the meshes, packed: a fifth of a megabyte and
+the meshes.
 """
 
 import base64

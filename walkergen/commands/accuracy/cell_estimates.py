@@ -3,9 +3,8 @@
 A cell is a stored measurement of the paper's walker at one tilt and restitution, part of the package (`cells`).
 
 For the paper's walker on its plate at a measured tilt and restitution, the values are those of the cell. For any other
-walker they are scaled. The scaling interpolates between cells and uses the plate's speed and frequency, the walker's
-own step and its number of legs. A simulated second gives the walker's own speed and cost. Biases of the step follow
-the law fitted to all cells together (`step_law`).
+walker they are interpolated between cells and scaled by the plate's speed and frequency, and the walker's own step and
+number of legs. A simulated second gives its own speed and cost. Biases follow the law fitted to all cells (`step_law`).
 """
 
 import math
@@ -27,15 +26,14 @@ from walkergen.files import templates
 from walkergen.points import run_time, step_errors
 
 STEP_SHARES = (1.25, 1.0, 0.5, 0.25, 0.1)
-"""Candidate steps, relative to the step that resolves the feet. The next longer step of each was measured as well.
-Steps below 0.5 were not measured: their bias is extrapolated from the law."""
+"""Candidate steps, relative to the step that resolves the feet. Biases below 0.5 are extrapolated from the law."""
 
 LANE_SCENE = "lane-90hz"
 """Scene of the cells that are interpolated."""
 
 SCALED_SCATTER_FACTOR = 1.3
-"""Factor of uncertainty of a scaled scatter: the root mean square from cross-validation. Each tilt is left out in turn,
-and its scatter relative to the speed is compared with the interpolation between its neighbours."""
+"""Factor of uncertainty of a scaled scatter: root mean square of cross-validation, in which each tilt is left out in
+turn."""
 
 CELLS_FREQUENCY_HZ = 90.0
 """Frequency of the plate of the cells, Hz."""

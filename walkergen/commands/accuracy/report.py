@@ -91,8 +91,8 @@ class Answer(NamedTuple):
     expected_s: float | None
     """Expected time on all cores of this machine, s."""
     known: str
-    """measured: for this very walker, as shipped; scaled: from the shipped walker; law: by how the
-    step's bias falls, below what the reference is known to; now: by this budget."""
+    """measured: for this walker, as shipped; scaled: from the shipped walker; law: extrapolated by the step's law; now:
+    by this budget."""
     why: str
     accepted: bool = False
     """Whether it is the cheapest that the scene's `run.accepted_error` allows."""

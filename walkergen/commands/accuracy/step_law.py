@@ -1,10 +1,9 @@
 """Law of the step's bias: the error of the speed against the step, fitted to all cells together.
 
-Chaos scatters a cell's speeds by more than most steps shift them, so cells are combined. Within each cell the speeds
-are a straight line in a power of the step. Its slope over the speed is the cell's result. Slopes of cells
-scatter by more than their errors. The excess is estimated as between studies of a meta-analysis (R. DerSimonian and
-N. Laird, Control. Clin. Trials 7, 177, 1986). Landings err by the first power of the step, flight and sliding by
-the second (docs/physics.md section 5). Both powers are fitted, and the larger bound counts.
+Within each cell the speeds are a straight line in a power of the step. Its slope over the speed is the cell's result.
+Slopes of cells scatter by more than their errors. The excess is estimated as between studies of a meta-analysis (R.
+DerSimonian and N. Laird, Control. Clin. Trials 7, 177, 1986). Landings err by the first power of the step, flight and
+sliding by the second (docs/physics.md section 5). Both powers are fitted, and the larger bound counts.
 """
 
 import math

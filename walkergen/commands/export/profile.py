@@ -1,7 +1,7 @@
 """Profiles: a walker's side view as polygons, and drawings of it for laser cutters.
 
-A walker that prints on its side is a prism: its profile and its depth define it, except for engraved
-digits. The drawing of a body in plan view is its outline, without legs.
+A walker that prints on its side is a prism: its profile and its depth define it, except for engraved digits. The
+drawing of a body in plan view is its outline, without legs.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,10 +1,8 @@
 """Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ, NetCDF or extended XYZ.
 
-The first columns are those of trackpy and `analyse` (`frame`, `particle`, `x`, `y`, `theta`), seen
-from above, in mm and rad instead of pixels. Then come `t_s` and the model's columns, with units in
-the names. A particle is a run. Frames count samples from the end of its discarded start.
-
-Extended XYZ is for OVITO: a run is a particle, as `walkergen.files.extended_xyz` writes bodies.
+A particle is a run. The first columns are those of trackpy and `analyse` (`frame`, `particle`, `x`, `y`, `theta`), seen
+from above, in mm and rad. Then come `t_s` and the model's columns, with units in the names. Frames count samples from
+the end of the discarded start.
 """
 
 import io
