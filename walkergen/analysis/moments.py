@@ -78,7 +78,7 @@ def subtract(whole: Moments, part: Moments) -> Moments:
 
 
 def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
-    """Group tracks into independent samples. Return these, and the length above which half of all time is.
+    """Group tracks into independent samples. Return these, and their time-weighted median length, in positions.
 
     Samples are particles if there are enough, otherwise at least MIN_PIECES pieces of tracks of about equal length.
     Pieces are independent only if increments decorrelate, which `motion` checks.

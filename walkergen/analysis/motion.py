@@ -107,8 +107,8 @@ def analyse(
     """Compute the statistics of all tracks.
 
     `lag_s` (s) is the time of displacements along and across the body: by default DEFAULT_LAG_S, or one sample if that
-    is longer. With walls all numbers are of motion out of their reach. `descent` is the direction (rad) toward which the plate
-    descends; None: it is level.
+    is longer. With walls all numbers are of motion out of their reach. `descent` is the direction (rad) toward which
+    the plate descends; None: it is level.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin (paper's figure 5), mean
     something; the other numbers are refused. Raises InputError when the lag is below one sample or beyond the longest
