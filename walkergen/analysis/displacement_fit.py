@@ -149,10 +149,7 @@ def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier:
 
 
 def _replicate_errors(values: Array) -> Array:
-    """Return the standard error of each row of `values`: of all samples, then without each one.
-
-    If all rows had the same error, the jackknife would miss the chance in the weights.
-    """
+    """Return the error of each row of `values`; with a common one the jackknife would miss the weights' chance."""
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
     resamples = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
@@ -167,10 +164,7 @@ def smooth_errors(lag: Array, errors: Array) -> Array:
 
 
 def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
-    """Return the largest ratio of a run's term to its error, over rates of losing direction.
-
-    `turns` (rad/s): one for each row of `values` and `errors`.
-    """
+    """Return the largest ratio of a run's term to its error, over rates of losing direction; one turn a row."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
         [

@@ -154,10 +154,7 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute all numbers of UNITS and FIT_NUMBERS, except those of the squared displacement on a plane.
-
-    A number without a meaning or a fit is NaN.
-    """
+    """Compute all numbers except those of the squared displacement on a plane; NaN without a meaning or a fit."""
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
     numbers["lane_speed"] = _ratio_or_nan(sums.run) / frame.interval
     _add_moments(numbers, "parallel", sums.along)
@@ -326,10 +323,7 @@ def from_spread(spread: Spread, interval: float) -> dict[str, float]:
 
 
 def _fit_dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the spread about each walker's mean run in a lane; add diffusivity and crossover time to `numbers`.
-
-    It is 2 D lag (1 - lag / T), as the mean run was measured over T.
-    """
+    """Fit the spread 2 D lag (1 - lag / T) about mean runs in a lane; add D and crossover time to `numbers`."""
     lag = frame.grid.square_lags * frame.interval
     values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)
     use = np.isfinite(values) & (frame.square_errors > 0)

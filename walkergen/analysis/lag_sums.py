@@ -1,6 +1,7 @@
 """Sums over all pairs of samples a lag apart, with gaps (NaN) allowed, by fast Fourier transform.
 
-Sums and numbers of pairs are separate, so that those of tracks, and of pieces of tracks, add up.
+Sums and numbers of pairs are separate, so that those of tracks, and of pieces of tracks, add up. `free_time` is the
+time (samples) after each sample before a wall can be reached, `lags` are in samples.
 """
 
 import functools
@@ -66,10 +67,7 @@ def sum_products(series: Complex, lags: Whole) -> tuple[Complex, Array]:
 
 
 def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Complex, Array]:
-    """Compute the sum of conj(first(t)) second(t + lag) and the number of pairs, each of shape (lags,).
-
-    Both series have the same shape (times,).
-    """
+    """Compute sums of conj(first(t)) second(t + lag) and numbers of pairs by lag, of series of the same length."""
     reachable = lags < len(first)
     total, pairs = np.zeros(len(lags), complex), np.zeros(len(lags))
     near = lags[reachable]
@@ -90,10 +88,7 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
 
 
 def sum_free_squares(position: Array, lags: Whole, free_time: Whole) -> tuple[Array, Array]:
-    """Sum squared displacements |r(t + lag) - r(t)|^2; return sums and numbers of pairs, each of shape (lags,).
-
-    Only pairs count whose first sample has a `free_time` (samples before a wall can be reached) of at least the lag.
-    """
+    """Sum |r(t + lag) - r(t)|^2 over pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
     for at, lag in enumerate(lags):
         moved = (position[lag:] - position[:-lag])[free_time[:-lag] >= lag]
@@ -104,10 +99,7 @@ def sum_free_squares(position: Array, lags: Whole, free_time: Whole) -> tuple[Ar
 
 
 def sum_free_products(series: Complex, lags: Whole, free_time: Whole) -> tuple[Complex, Array]:
-    """Sum products conj(z(t)) z(t + lag); return sums and numbers of pairs, each of shape (lags,).
-
-    Only pairs count whose first sample has a `free_time` (samples before a wall can be reached) of at least the lag.
-    """
+    """Sum conj(z(t)) z(t + lag) over pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
     for at, lag in enumerate(lags):
         products = (np.conj(series[:-lag]) * series[lag:])[free_time[: len(series)][:-lag] >= lag]

@@ -235,10 +235,7 @@ def _error_if_correlated(blocks: Array, block_s: float, piece_s: float) -> tuple
 
 
 def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
-    """Return the means and the scatter over walkers that were seen for long enough.
-
-    None for fewer than two, or if one of them has no speed.
-    """
+    """Return means and scatter over walkers seen for long enough; None if fewer than two, or one has no speed."""
     longest = max(walker.seconds for walker in all_walkers)
     walkers = [walker for walker in all_walkers if walker.seconds >= MIN_TIME_SHARE * longest]
     if len(walkers) < 2 or any(walker.mean("speed").value is None for walker in walkers):

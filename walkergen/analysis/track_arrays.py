@@ -203,10 +203,7 @@ def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
 
 
 def _reorder_dimensions(arrays: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
-    """Return a named array with its dimensions in this order; missing ones have length 1.
-
-    Dimensions had plural names before movement's version 0.17.
-    """
+    """Return a named array with its dimensions (singular or plural) in this order; missing ones have length 1."""
     present = [dimension.removesuffix("s") for dimension in arrays.dimensions[name]]
     if not set(present) <= set(order):
         raise ValueError(f"{name} has the dimensions {', '.join(present)}")

@@ -201,10 +201,7 @@ def _is_word(label: str) -> bool:
 def _read_units_below(
     path: Path, names: list[str], by_kind: dict[str, NamedColumn]
 ) -> tuple[int, dict[str, NamedColumn]]:
-    """Count TrackMate's lines below the header that are no rows; return them, and its columns with their units.
-
-    `by_kind`: columns by their contents (x, time and so on).
-    """
+    """Count TrackMate's lines below the header that are no rows; return them, and its columns with their units."""
     lines = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
     index = names.index("POSITION_X")

@@ -61,10 +61,7 @@ def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
 
 
 def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
-    """Return a warning if headings fit displacements only when turned or mirrored, beyond chance.
-
-    `groups`: the tracks of each independent sample.
-    """
+    """Return a warning if headings fit displacements in groups of tracks only when turned or mirrored."""
     sums = np.zeros((len(groups), 2), dtype=complex)
     for number, group in enumerate(groups):
         for track in group:

@@ -48,10 +48,7 @@ MEMORY_P_VALUE = 0.025
 
 
 def jackknife_quantity(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
-    """Return a number with its jackknife error, or a refusal.
-
-    `numbers` holds the numbers of all samples, then those without each sample.
-    """
+    """Return a number with its jackknife error, or a refusal; `numbers` of all samples, then without each one."""
     value, error = numbers[0][name], _jackknife_error(numbers[1:], name)
     if not (math.isfinite(value) and math.isfinite(error)):
         return refusal(name, TOO_FEW_REASON)

@@ -150,10 +150,7 @@ def _is_sliding(depths: Sequence[Array], width: float, cornered: bool) -> bool:
 def _is_confining(
     tracks: Tracks, places: Array, depths: Sequence[Array], width: float, area: float, girth: float
 ) -> bool:
-    """Return whether the hull of the tracks is a wall that holds walkers back. All lengths are in mm.
-
-    `depths` below the hull are by track.
-    """
+    """Return whether the hull of the tracks holds walkers back; lengths in mm, depths are those below the hull."""
     band = BAND_DEPTH * width
     visits = sum(_count_visits(depth, band, INSIDE_DEPTH * width) for depth in depths)
     depth = np.concatenate(depths)
