@@ -110,10 +110,7 @@ LETTER_WIDTH_RATIO = 0.52
 
 @contextmanager
 def style(settings: Any = DEFAULT_STYLE) -> Iterator[None]:
-    """Draw figures in this context with these settings; also a decorator of functions that draw them.
-
-    A matplotlibrc of the user is ignored.
-    """
+    """Draw figures in this context, with these settings and none of the user's; also a decorator."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(settings)

@@ -72,10 +72,7 @@ def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
 
 
 def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: int) -> Sequence[Sequence[int]]:
-    """Return the columns of each piece: those that name the rows, and as many others as fit the width.
-
-    `edges`: letters around each column.
-    """
+    """Return the columns of each piece: row names, and as many others as fit; `edges`: letters around a column."""
     justify = [column.justify for column in table.columns[:2]]
     names = [0, 1] if justify == ["right", "left"] else [0]
     pieces: list[list[int]] = []

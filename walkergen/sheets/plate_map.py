@@ -246,10 +246,7 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
 
 
 def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Return x, y and font height (mm) of a label between two equal legs, from the box's corner.
-
-    Halfway up, legs that lean are as far to the right of their feet.
-    """
+    """Return x, y and font height (mm) of a label halfway up between two equal legs, from the box's corner."""
     left, bottom = mesh.vertices[:, :2].min(axis=0)
     below = 0.5 * (-bottom - 0.5 * design.size.thickness)
     middle = below * math.tan(design.limbs[0].tilt) - left
