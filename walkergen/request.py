@@ -123,9 +123,9 @@ class Request(BaseModel):
         report: Report | None = self.do_work(progress)
         return report
 
-    def do_work(self, progress: Progress) -> Any:
+    def do_work(self, progress: Progress, *more: Any) -> Any:
         """Run the function `run` of the module `make` in the request's folder, which is imported only now."""
-        return import_module(f"{type(self).__module__.rpartition('.')[0]}.make").run(self, progress)
+        return import_module(f"{type(self).__module__.rpartition('.')[0]}.make").run(self, progress, *more)
 
     def output_folder(self, default: Path) -> Path | None:
         """Return the folder to write to: the field `out`, or on the command line the default; None without one."""

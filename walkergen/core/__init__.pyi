@@ -43,7 +43,6 @@ from walkergen.core.simulation.batch import OneRun as OneRun
 from walkergen.core.simulation.batch import Stopped as Stopped
 from walkergen.core.simulation.batch import Tell as Tell
 from walkergen.core.simulation.plan import Plan as Plan
-from walkergen.core.simulation.plan import Release as Release
 from walkergen.core.simulation.plan import prepare as prepare
 from walkergen.core.simulation.run import ENDED_WELL as ENDED_WELL
 from walkergen.core.simulation.run import ENERGY_TOLERANCE as ENERGY_TOLERANCE

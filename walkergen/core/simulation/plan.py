@@ -19,22 +19,12 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 
 
-class Release(NamedTuple):
-    """State at the release of a walker: height of its lowest corner (mm), pitch and roll (rad)."""
-
-    height: float
-    pitch: float = 0.0
-    roll: float = 0.0
-
-
 class Plan(NamedTuple):
     """Simulation to be run: a scene, what it calls for, and the world of the walker."""
 
     case: Case
     resolved: Resolved
     world: World
-    release: Release | None = None
-    """Initial state of all runs; None: each draws its own drop."""
 
     @property
     def scene(self) -> Scene:

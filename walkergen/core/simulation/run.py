@@ -90,8 +90,7 @@ def compile_kernels(plan: Plan) -> float:
 def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
     """Return the plan of run `number`, with its own print and plate, and its initial state.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, with the scene's heading. If the plan
-    has a `release`, this gives height, pitch and roll instead, at phase 0.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, with the scene's heading.
     """
     run = plan.scene.run
     rng = np.random.default_rng([run.seed, number])
@@ -112,8 +111,6 @@ def sample_drop(
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.sample_print(rng)
-    if plan.release is not None:
-        return plan, plan.initial_state(plan.release.height, plan.release.pitch, 0.0, plan.release.roll, heading)
     height = plan.shaken.amplitude * clearance
     phase = phase if common_phase is None else common_phase
     return plan, plan.initial_state(height, MAX_DROP_TURN_RAD * pitch, phase, MAX_DROP_TURN_RAD * roll, heading)

@@ -1,6 +1,5 @@
 """Request of the command `crowd`."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -121,5 +120,5 @@ class CrowdRequest(request.Request):
 
     def run(self, progress: Progress) -> "Report":
         """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
-        report: Report = import_module("walkergen.guests.crowd.make").run(self, progress, self._expect)
+        report: Report = self.do_work(progress, self._expect)
         return report

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from walkergen.core import Design, InputError, Release, Scene
+from walkergen.core import Design, InputError, Scene
 from walkergen.core.walker import names
 from walkergen.guests.movie.request import MovieRequest
 from walkergen.guests.movie.shot import Shot, format_pace
@@ -34,8 +34,6 @@ class Film(NamedTuple):
     request: MovieRequest
     members: Sequence[Design]
     scene: Scene
-    release: Release | None = None
-    """Release of the walker; None: as in the ensemble's first run."""
 
     @property
     def view(self) -> View:
@@ -87,9 +85,9 @@ class Made(NamedTuple):
     shots: Sequence[Shot]
 
 
-def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene, release: Release | None = None) -> Film:
-    """Return a film, checked. Raises InputError. `release`: start of the walker; None for that of its first run."""
-    film, fps = Film(request, members, scene, release), request.fps
+def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene) -> Film:
+    """Return a checked film, from the start of each walker's first run. Raises InputError."""
+    film, fps = Film(request, members, scene), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)
         raise InputError(f"‹fps=›{fps}: must be one of {rates}. A GIF counts in 1/100 s.")

@@ -118,7 +118,7 @@ def simulate_shot(film: Film, design: Design, poses_per_frame: int) -> Shot:
     run = film.scene.run.model_copy(update={"seconds": seconds})
     scene = film.scene.model_copy(update={"run": run})
     mass = mass_of(design)
-    prepared = prepare(scene, design, mass)._replace(release=film.release)
+    prepared = prepare(scene, design, mass)
     shot = make_shot(make_title(design), design, mass, poses.sample(prepared, interval))
     if len(shot.times) <= poses_per_frame:
         raise InputError(f"{make_title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")

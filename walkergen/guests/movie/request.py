@@ -1,6 +1,5 @@
 """Request of the command `movie`."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -50,5 +49,5 @@ class MovieRequest(request.Request):
 
     def run(self, progress: Progress) -> "Report":
         """Film the walkers."""
-        report: Report = import_module("walkergen.guests.movie.make").run(self, progress, self._expect)
+        report: Report = self.do_work(progress, self._expect)
         return report

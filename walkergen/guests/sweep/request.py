@@ -1,7 +1,6 @@
 """Request of the command `sweep`."""
 
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -81,7 +80,7 @@ class SweepRequest(request.Request):
 
     def run(self, progress: Progress) -> "SweepReport":
         """Evaluate all points, in this process or in several; Python functions use several if `workers` is given."""
-        report: SweepReport = import_module("walkergen.guests.sweep.make").run(self, progress, self._expect)
+        report: SweepReport = self.do_work(progress, self._expect)
         return report
 
     @property
