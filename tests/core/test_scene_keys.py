@@ -15,12 +15,12 @@ MAX_KEYS = 60
 
 HEAD = """# The keys of a scene
 
-A scene is a TOML file with a table for each heading below. Every key has a default, so that a file holds only what
-differs; `walkergen templates copy lane-90hz` is one to start from. Any key is set for one command as
-`--set scene.drive.gamma=2.2`. Standard deviations (`_sd`) widen the bounds of predictions and nothing else.
+A scene is a text file (TOML) with a table for each heading below. Every key has a default, so a file holds only keys
+that differ. To start, run `walkergen templates copy lane-90hz my.toml`. To set a key for one command, add for example
+`--set scene.drive.gamma=2.2`. Standard deviations (`_sd`) widen the bounds of predictions and change nothing else. "The
+paper" is [Koumakis et al. (2016)](physics.md).
 
-*Made of the fields of `walkergen/core/scene.py` and `walkergen/core/drive.py`; `python tests/core/test_scene_keys.py`
-writes it.*
+*`python tests/core/test_scene_keys.py` writes this page from `walkergen/core/scene.py` and `walkergen/core/drive.py`.*
 """
 
 
