@@ -20,7 +20,7 @@ def parse_number(text: object) -> float:
     """Return a number, parsed if it is text."""
     value = formatting.parse_number(text) if isinstance(text, str) else text
     if value is None or isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{str(text)[:30]!r} is not a number")
+        raise ValueError(f"{str(text)[:30]!r} is not a finite number")
     return float(value) + 0.0
 
 
@@ -28,7 +28,7 @@ def parse_tilt(text: object) -> float:
     """Return a tilt in degrees, parsed if it is text."""
     value = parse_number(text)
     if not -MAX_TILT_DEG <= value <= MAX_TILT_DEG:
-        raise ValueError(f"{str(text)[:30]} is not a tilt in -{MAX_TILT_DEG}..{MAX_TILT_DEG} deg")
+        raise ValueError(f"{str(text)[:30]} must lie in -{MAX_TILT_DEG}..{MAX_TILT_DEG} deg")
     return value
 
 
@@ -50,7 +50,7 @@ def parse_tilts(value: Any) -> list[float] | None:
     for piece in split_values(value):
         numbers = [parse_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
         if len(numbers) not in (1, 3):
-            raise ValueError("write 10, or 5,10,15, or FIRST:LAST:STEP")
+            raise ValueError("write one tilt (10), a list (5,10,15) or FIRST:LAST:STEP (0:40:5), in degrees")
         tilts += numbers if len(numbers) == 1 else _tilt_range(*numbers)
     unique = list(dict.fromkeys(tilts))
     if len(unique) > MAX_TILTS:
@@ -61,7 +61,7 @@ def parse_tilts(value: Any) -> list[float] | None:
 def _tilt_range(first: float, last: float, step: float) -> list[float]:
     """Return tilts from first to last in steps, deg. Raises ValueError for a step of the wrong sign or size."""
     if step == 0 or (last - first) / step < 0:
-        raise ValueError(f"step {step:g} does not lead from the first value to the last")
+        raise ValueError(f"step {step:g} does not lead from first to last. Write FIRST:LAST:STEP (0:40:5).")
     count = (last - first) / step
     if count > MAX_TILTS:
         raise ValueError(f"more than {MAX_TILTS} tilts. Choose a larger step.")

@@ -88,7 +88,7 @@ class Inputs(NamedTuple):
         names = [printer.name for printer in printers]
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"‹printer=›{str(sources)[:60]!r}: two printers are called {name}", "printer")
+                raise InputError(f"‹printer=›{str(sources)[:60]!r}: two are called {name}. Name each once.", "printer")
         return printers
 
     def _load_input(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
@@ -198,7 +198,7 @@ def _confirm_text(text: str, asks: bool) -> None:
         if sys.stdin.readline().strip().lower() in ("y", "yes"):
             return
     raise InputError(
-        f"{missing}. ‹text=›{shlex.quote(text[:80])} makes a walker of these letters. Templates: {', '.join(known)}; "
+        f"{missing}. ‹text=›{shlex.quote(text[:80])} makes a walker of these letters. Templates: {', '.join(known)}. "
         "Or give the path of a drawing, a mesh or a TOML file.",
         "design",
     )

@@ -355,7 +355,7 @@ REFUSED = {
         [
             ({"legs.flexible_thickness_mm": -0.5}, r"koumakis2016: .* = -0.5: must be a number"),
             ({"legs.flexible_thicknes": 1}, r"did you mean legs.flexible_thickness_mm\?"),
-            ({"legs[1].tilt_deg": 1}, "legs is no list"),
+            ({"legs[1].tilt_deg": 1}, "legs is not a list"),
             ({"legs[x]": 1}, r"'legs\[x\]': must be a key of the TOML file"),
             ({"": 1}, "must be a key of the TOML file"),
             ({"tilt_deg": 5, "legs.tilt_deg": 5}, "legs.tilt_deg: given twice"),

@@ -61,7 +61,7 @@ def read_deeplabcut(path: Path) -> Source:
     individuals = rows["individuals"][first:] if "individuals" in rows else [""] * len(parts)
     if not len(parts) == len(coords) == len(individuals):
         counts = (len(each) + first for each in (parts, coords, individuals))
-        raise InputError("{}: lines of its names have {}, {} and {} cells".format(path, *counts))
+        raise InputError("{}: its lines of names have {}, {} and {} cells. Make them equal.".format(path, *counts))
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
     below = ["\n"] * (len(rows) - 1)  # its other lines of names
@@ -131,7 +131,7 @@ def check_table_kind(path: Path, headers: Sequence[str]) -> None:
     """Raise InputError for tables of sleap-io that are not the analysis table: rows of parts, or of whole frames."""
     if "node" in headers or any(name.startswith("inst0.") for name in headers):
         what = "a part of a walker" if "node" in headers else "all walkers of a frame"
-        raise InputError(f"{path}: has a row for {what}; give SLEAP's analysis CSV, which has one for a walker")
+        raise InputError(f"{path}: has a row for {what}. Give SLEAP's analysis CSV, with a row for each walker.")
 
 
 def _mask_unlikely(x: Array, y: Array, likelihood: Array | None) -> Part:

@@ -112,15 +112,15 @@ def check_units(path: Path, measured: Measured) -> None:
     error = np.zeros_like(forward_speed) if measured.se is None else measured.se[leaning]
     if (forward_speed < -2.0 * error).any() and not (forward_speed > 2.0 * error).any():
         raise InputError(
-            f"{path}: speed_mm_s is negative wherever it differs from 0: walkers run the way their "
-            "legs lean: is the film mirrored, or does x count the other way? Turn the sign"
+            f"{path}: speed_mm_s is never clearly above 0, but walkers run the way their "
+            "legs lean. Is the film mirrored, or does x count the other way? Change the sign."
         )
     ratio = float(np.max(np.abs(forward_speed) / measured.plate_speed[leaning]))
     if not MIN_SPEED_RATIO <= ratio <= MAX_SPEED_RATIO:
         unit = "m/s" if ratio < MIN_SPEED_RATIO else "µm/s or pixels"
         raise InputError(
             f"{path}: speed_mm_s is at most {np.abs(forward_speed).max():.3g}, or {ratio:.2g} times the "
-            f"plate's peak speed: must be {MIN_SPEED_RATIO:g} to {MAX_SPEED_RATIO:g} times: is it in {unit} "
+            f"plate's peak speed. It must be {MIN_SPEED_RATIO:g} to {MAX_SPEED_RATIO:g} times. Is it in {unit} "
             "instead of mm/s?"
         )
 

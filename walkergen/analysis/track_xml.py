@@ -65,7 +65,7 @@ def read_xml(path: Path) -> Source:
     """Read an XML file: TrackMate's tracks alone or with everything that it stores, or a project of Tracker."""
     text = file_reading.read_bytes(path, MAX_XML_BYTES, "an XML file of tracks")
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-        raise InputError(f"{path}: declares entities, which files of tracks do not")
+        raise InputError(f"{path}: it defines XML entities, which files of tracks never do. Export it again.")
     try:
         root = ElementTree.fromstring(text)
         if root.tag in ("Tracks", "TrackMate"):
@@ -73,7 +73,7 @@ def read_xml(path: Path) -> Source:
         if root.get("class", "").endswith(".TrackerPanel"):
             return _from_tracker(path, root)
     except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InputError(f"{path}: is no sound XML of tracks: {file_reading.describe_error(error)}") from None
+        raise InputError(f"{path}: is not valid XML of tracks: {file_reading.describe_error(error)}") from None
     seen = safe_text.shorten_line(root.tag)[:30]
     raise InputError(f"{path}: <{seen}> seen: must be TrackMate's <Tracks> or <TrackMate>, or a project of Tracker")
 

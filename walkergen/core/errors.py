@@ -140,7 +140,8 @@ class InputError(WalkergenError):
     @property
     def text(self) -> str:
         """Text of the error with the remedies, whose fields are not spelled yet."""
-        return f"{self.fault}; what helps: {', or '.join(map(str, self.remedies))}" if self.remedies else self.fault
+        helps = ", or ".join(map(str, self.remedies))
+        return f"{self.fault.rstrip('.')}. What helps: {helps}" if helps else self.fault
 
 
 class GeometryError(InputError):

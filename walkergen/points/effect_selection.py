@@ -100,7 +100,7 @@ def check_no_accepted_error(scene: Scene, why: str) -> None:
     accepted = scene.run.accepted_error
     if accepted is not None:
         key = "scene.run.accepted_error"
-        raise InputError(f"{key} = {accepted:g}: {why}; leave it out", key)
+        raise InputError(f"{key} = {accepted:g}: {why}. Remove this key.", key)
 
 
 def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:

@@ -30,7 +30,7 @@ def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
     if wanted > MAX_SAMPLES:
         what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
         fewer = "" if runs == 1 else ", ‹runs›"
-        raise InputError(f"{what} of {wanted:.3g} samples; at most {MAX_SAMPLES}: lower ‹rate_hz›{fewer} or ‹seconds›")
+        raise InputError(f"{what} of {wanted:.3g} samples: at most {MAX_SAMPLES}. Lower ‹rate_hz›{fewer} or ‹seconds›.")
 
 
 def from_runs(results: Sequence[RunResult]) -> Trajectory:

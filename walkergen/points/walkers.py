@@ -117,7 +117,7 @@ def simulate_to_error(
     if of not in observables.OBSERVABLE_NAMES:
         raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.OBSERVABLE_NAMES)}")
     if of != SPEED and not wanted.relative:
-        raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s; write a share: 5%")
+        raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s. Write a share, such as 5%.")
     until = speed_error(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
     results = _simulate_short_runs(walker, ErrorWithEstimate(until, expect), progress, threads)
     number = results.summary.numbers[of]

@@ -54,10 +54,10 @@ def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[CappedW
                 f"{first.marker_mm:g}: a film has markers of one kind"
             )
         if number >= own.count:
-            more = "'4x4_100' has 100" if own.count < 100 else "make fewer copies"
+            more = "Use '4x4_100'." if own.count < 100 else "Make fewer copies."
             raise InputError(
                 f"{design.name}: cap.dictionary = {own.dictionary!r}: has numbers up to "
-                f"{own.count - 1}, and {len(bearers)} caps from {first.number} on need more: {more}"
+                f"{own.count - 1}, but {len(bearers)} caps from number {first.number} on need more. {more}"
             )
         numbered_cap = own.model_copy(update={"number": number})
         density = own.density(design.material.density_g_cm3)

@@ -266,4 +266,4 @@ def test_ctrl_c_reports_the_finished_runs_as_partial(run, monkeypatch, tmp_path)
 
 def test_an_impossible_walker_is_reported_before_any_run(run, monkeypatch):
     monkeypatch.setattr(walkers, "simulate", None)
-    assert "tilt up to" in refusal_of(run, "simulate", "--tilt", "5,80")
+    assert "A tilt up to" in refusal_of(run, "simulate", "--tilt", "5,80")

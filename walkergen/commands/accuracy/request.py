@@ -61,8 +61,8 @@ class AccuracyRequest(request.Request):
         if budget_s is not None:
             if scene.drive.kind == "motor":
                 raise InputError(
-                    f"{scene.name}: ‹budget› measures walkers on a vibrating plate, and this walker has a motor. "
-                    "Without ‹budget› the answer is scaled from other walkers."
+                    f"‹budget›: needs a shaken plate, but the scene {scene.name} has a motor. "
+                    "Remove it: the times are then estimated from other walkers."
                 )
             self._expect(lambda: Expected(budget_s))
         report = make.study(design, scene, budget_s, folder, progress)

@@ -91,12 +91,12 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
     resolved = plan.resolved
     if not resolved.is_on(turning.NAME):
         raise InputError(
-            f"{forced_effect_line(turning.SWITCH, False)}: MJCF supports only walkers that are free to turn"
+            f"{forced_effect_line(turning.SWITCH, False)}: MJCF supports only walkers that are free to turn. Remove it."
         )
     for effect in resolved.effects:
         if effect.on and effect.switch and effect.name not in SUPPORTED_EFFECTS:
             away = f"‹set› 'scene.{forced_effect_line(effect.switch, False)}'"
-            raise InputError(f"{effect.name} ({effect.reason}): MJCF does not support it. Write {away}")
+            raise InputError(f"{effect.name} ({effect.reason}): MJCF does not support it. To leave it out, add {away}")
     return plan
 
 

@@ -74,13 +74,13 @@ class ExportRequest(request.Request):
         single = self.out is not None and SUFFIX_PATTERN.fullmatch(self.out.suffix) is not None
         moving = self.out.suffix.lower() == make.MJCF_SUFFIX if self.out and single else make.MJCF in self.format
         if self.scene is not None and not moving:
-            raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} uses a scene", "scene")
+            raise InputError(f"‹scene=›{str(self.scene)[:60]}: needs ‹format=›{make.MJCF}. Remove it.", "scene")
         if self.sweep is not None:
             from walkergen.commands.export import sweep_export
 
             self.check_unset("set by the file of ‹sweep›", "design", "tilt", "legs", "caps", "set")
             if single or moving:
-                raise InputError("‹sweep›: writes only meshes and drawings, into a folder", "sweep")
+                raise InputError("‹sweep›: writes only meshes and drawings. Give ‹format=›stl and a folder.", "sweep")
             return sweep_export.write(self.sweep, self.format, self.out, progress)
         given = self.inputs()
         if not moving:

@@ -27,8 +27,8 @@ def select_cases(only: str | None) -> list[Case]:
         sections = list(dict.fromkeys(case.section for case in catalogue.CASES))
         names = [case.name for case in catalogue.CASES]
         near = difflib.get_close_matches(str(only)[:60], names, n=2, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
-        raise InputError(f"‹only=›{str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}")
+        hint = f"Did you mean {' or '.join(near)}?" if near else f"Sections: {', '.join(sections)}"
+        raise InputError(f"‹only=›{str(only)[:30]!r}: no test case has this section or name. {hint[:120]}")
     return cases
 
 

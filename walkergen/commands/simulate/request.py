@@ -161,7 +161,7 @@ class SimulateRequest(request.Request):
         from walkergen.points.experiments import Walker
 
         effect_selection.check_no_accepted_error(
-            scene, "refers to a mean speed, and ‹uncertain› reports the scatter of prints"
+            scene, "applies to a mean speed, but ‹uncertain› reports the scatter of prints"
         )
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
         self._expect(lambda: run_time.total_time([walker]))

@@ -45,7 +45,7 @@ def parse_value(text: str) -> Any:
     except ValueError:  # no TOML; a number of more digits than Python reads
         if text.startswith(("[", "{")):
             raise InputError(
-                f"‹set› ...={text[:60]!r}: is not a list or table of TOML; put words in "
+                f"‹set› ...={text[:60]!r}: is not a list or table of TOML. Put words in "
                 f"quotes, and in a shell quote all: ‹set› 'family.legs=[\"braced\"]'"
             ) from None
         return text
@@ -175,7 +175,7 @@ def _find_list(table: Mapping[str, Any], step: str) -> list[Any]:
     name, number = _split_index(step)
     entries = table.get(name)
     if not isinstance(entries, list):
-        raise InputError(f"there is no {step}: {name} is no list")
+        raise InputError(f"there is no {step}: {name} is not a list. Leave the number out.")
     if number is None or not 1 <= number <= len(entries):
         raise InputError(f"there is no {step}: {name} has {len(entries)} entries, numbered 1 to {len(entries)}")
     return entries

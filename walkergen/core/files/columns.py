@@ -206,8 +206,8 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
     if len(row) == len(names) + 1 and row[-1].strip() and len(names) < MAX_COLUMNS:
         # Commas within numbers would make as many cells: R quotes row names, and has decimal points
         if not (first.lstrip().startswith('"') or any("." in cell for cell in row[1:])):
-            problem = f"{len(row)} cells, the header has {len(names)}: are the first ones names of rows, as R's? "
-            raise InputError(f"{source}:2: {problem}Give them a name in the header; else {SEPARATOR_HINT}")
+            problem = f"{len(row)} cells, the header has {len(names)}: do rows begin with names, as R writes them? "
+            raise InputError(f"{source}:2: {problem}Then name that column in the header. Else {SEPARATOR_HINT}")
         names = ["", *names]
     return names, chain([first], stream)
 

@@ -105,8 +105,8 @@ def pack(
     if max_plates is not None and len(plates) > max_plates:
         placed = sum(len(plate.placements) for plate in plates[:max_plates])
         raise PlateError(
-            f"{total} parts need {len(plates)} plates of {printer.name}, {max_plates} allowed "
-            f"(room for {placed} parts): allow more plates or print fewer parts"
+            f"{total} parts need {len(plates)} beds of {printer.name}, but ‹max_plates=›{max_plates} holds {placed}. "
+            "Allow more beds, or print fewer parts."
         )
     return plates
 
@@ -114,7 +114,7 @@ def pack(
 def check_part_count(total: int) -> None:
     """Raise PlateError for more parts than one call can arrange."""
     if total > MAX_ARRANGED_PARTS:
-        raise PlateError(f"{total} parts: at most {MAX_ARRANGED_PARTS} can be arranged in one run; print fewer")
+        raise PlateError(f"{total} parts: at most {MAX_ARRANGED_PARTS} can be arranged in one run. Print fewer copies.")
 
 
 def plate_3mf(
@@ -247,7 +247,7 @@ def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
     width, depth = _free_bed(printer)
     raise PlateError(
         f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
-        f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
-        f"{border_width(printer):g} mm, {printer.height_mm:g} mm high"
+        f"height) does not fit {printer.name}. Its bed is {width:g} x {depth:g} mm inside margins of "
+        f"{border_width(printer):g} mm, and it prints {printer.height_mm:g} mm high"
         + (f"; neither do {others} more" if others else "")
     )

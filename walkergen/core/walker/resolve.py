@@ -144,7 +144,7 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
     if spec.body.plain or (spec.letters and spec.body.flat):
         return faults
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
-    rule = "only a rectangular body in side view can have marks, and a body in plan view text. Remove them."
+    rule = "digits and notches need a rectangular body, text needs one or a body in plan view. Remove it."
     return [f"{key}: {rule}", *faults]
 
 
@@ -153,7 +153,7 @@ def _pair_faults(legs: Legs, size: Size) -> list[str]:
     problems = []
     for text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
-        hint = f"; tilt up to {limit:.2f} deg is possible" if limit is not None else ""
+        hint = f". A tilt up to {limit:.2f} deg is possible" if limit is not None else ""
         problems.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
     return problems
 
@@ -178,14 +178,14 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     if 2.0 * back.half_width >= spacing:
         problems.append(
             f"the legs overlap: each is {2.0 * back.half_width:.3f} mm wide along "
-            f"the plate, but the contact spacing is {spacing:g} mm"
+            f"the plate. Make legs.contact_spacing_mm = {spacing:g} larger"
         )
     problems += section_of(back).problems(back)
     for strut in section_of(back).struts(back):
         span = abs(strut.offset)
         if span + back.half_width + 0.5 * strut.thickness >= spacing:
             problems.append(
-                f"a leg crosses the other leg's brace: it spans {span:.3f} mm, the contact spacing is {spacing:g} mm"
+                f"a leg crosses the other's brace: it spans {span:.3f} mm, but legs.contact_spacing_mm = {spacing:g}"
             )
     return problems + _strut_faults((back, front), length)
 
@@ -204,7 +204,7 @@ def _length_faults(limb: Limb) -> list[str]:
         return []
     return [
         f"the leg ({limb.thickness:g} mm thick, {limb.length:g} mm long) is too short for its thickness. "
-        "Make it longer or thinner, or its foot flat"
+        "Make it longer or thinner, or write foot = 'flat'"
     ]
 
 
@@ -215,7 +215,7 @@ def _end_faults(limb: Limb, body_length: float) -> list[str]:
         return []
     return [
         f"a leg extends beyond the body: it reaches x = {reach:.3f} mm, but the body ends at "
-        f"{half_body:.3f} mm. Lengthen the body, or shorten legs or contact spacing"
+        f"{half_body:.3f} mm. Make the body longer, or the legs or their spacing shorter"
     ]
 
 

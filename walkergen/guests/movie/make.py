@@ -44,7 +44,7 @@ def run(request: MovieRequest, progress: Progress, expect: Expect) -> Report:
     given = request.inputs()
     design = given.design(request.design)
     scene = given.scene(choose_scene(request.scene, [design]))
-    effect_selection.check_no_accepted_error(scene, "is for a speed, and a film shows every effect of its scene")
+    effect_selection.check_no_accepted_error(scene, "applies only to speeds. A film shows every effect of its scene")
     members = given.members(design, request.tilt, request.legs, whole=False)
     film = plan_film(request, members, scene)
     path = request.out or Path("out") / design.name / file_name(film, given.values)

@@ -130,7 +130,7 @@ class Tree:
             self.unseen += name in SHAPE_TAGS
             return
         if name in UNREADABLE_TAGS:
-            hint = "convert it to paths" if name == "text" else "Remove it, and save a plain SVG."
+            hint = "Convert it to paths." if name == "text" else "Remove it, and save a plain SVG."
             raise self._input_error(f"holds {UNREADABLE_TAGS[name]} (<{name}>). {hint}")
         inner = inner._replace(matrix=self._element_matrix(element, inner), clips=inner.clips)
         inner = inner._replace(clips=(*inner.clips, *self._clips(element, inner)))

@@ -59,8 +59,8 @@ def _text_polygons(design: Design, length: float, height: float) -> list[Polygon
     wide, tall = high - low
     if wide > length - 2.0 * mark.line_mm or tall > height - 2.0 * mark.line_mm:
         raise GeometryError(
-            f"{_format_mark(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
-            f"{length:g} x {height:g} mm, where a line stays free. Make text_height_mm smaller.",
+            f"{_format_mark(design)}: is {wide:.2f} x {tall:.2f} mm, but its face is only "
+            f"{length:g} x {height:g} mm, with a free line at the edge. Make text_height_mm smaller.",
             _mark_key(design),
         )
     return polygons

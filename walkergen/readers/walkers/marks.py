@@ -127,7 +127,7 @@ def mark_problems(
     """Return the reasons why a body of length, thickness, depth (mm) has no room for its marks, one line each."""
     length, thickness, depth = body
     if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
-        return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
+        return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of the body's {depth:.4g} mm"]
     reasons = []
     if marks.kind == "notches":
         reasons += _notch_problems(marks, tilts_deg, tilt_deg, length, thickness)
@@ -151,7 +151,7 @@ def _notch_problems(
     if needed > length:
         reasons.append(
             f"marks.line_mm = {marks.line_mm:g}: notches for {len(tilts_deg)} tilts need "
-            f"{needed:.2f} mm, the body is {length:g} mm long: make the line at most "
+            f"{needed:.2f} mm, but the body is {length:g} mm long. Make the line at most "
             f"{marks.line_mm * length / needed:.3f} mm, the family smaller, or use kind = 'digits'"
         )
     if marks.depth_mm > thickness / 3.0:
@@ -172,8 +172,8 @@ def _digit_problems(marks: Marks, text: str, length: float, thickness: float, de
     if height < MIN_DIGIT_LINES * line:
         reasons.append(
             f"marks.line_mm = {line:g}: digits are at least {MIN_DIGIT_LINES:g} lines high with "
-            f"one free above and below, {(MIN_DIGIT_LINES + 2) * line:.2f} mm; the body is "
-            f"{thickness:g} mm thick{below_notches}: make the line at most "
+            f"one free above and below, {(MIN_DIGIT_LINES + 2) * line:.2f} mm. The body is "
+            f"{thickness:g} mm thick{below_notches}. Make the line at most "
             f"{thickness / (MIN_DIGIT_LINES + 2):.3f} mm or {alternative}"
         )
     else:

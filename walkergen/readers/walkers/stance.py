@@ -38,12 +38,15 @@ def level_feet(data: Mapping[str, Any], default_tilt_deg: float) -> dict[str, An
     """
     for name in ("motor", "battery"):
         if data.get(name) is not None:
-            raise GeometryError(f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level")
+            raise GeometryError(
+                f"{name} = ...: a walker with stance = 'as built' cannot carry one. Remove it, or remove stance and "
+                "give all feet one height."
+            )
     parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _leg_list(data)})
     legs, shape = parts.legs, shape_of(parts.body)
     if shape.side is None:
         raise GeometryError(
-            "stance = 'as built': is for bodies in side view (a rectangle or profile_mm): make the feet level"
+            "stance = 'as built': is for bodies in side view (a rectangle or profile_mm). Remove it and level the feet."
         )
     if any(leg.foot == "flat" for leg in legs):
         raise GeometryError(

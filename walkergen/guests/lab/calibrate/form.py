@@ -47,7 +47,7 @@ class Kind(NamedTuple):
     """Question to the user if the value is out of range."""
 
 
-SLIDE_KIND = Kind(1.0, 80.0, 6, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
+SLIDE_KIND = Kind(1.0, 80.0, 6, least=2.0, slip=". Is it a friction? Write the angle: a friction of 0.25 is 14 deg")
 """Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
 FILMED_ANGLE = "filmed_deg"

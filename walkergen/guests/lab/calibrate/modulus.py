@@ -93,9 +93,9 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     (number,), chi2, dof = _solve(strips, density, ())
     if not MIN_MODULUS_GPA <= number.number <= MAX_MODULUS_GPA:
         raise InputError(
-            f"{', '.join(strip.name for strip in strips)}: the readings tell a modulus of "
-            f"{number.number:.3g} GPa: plastics have {MIN_MODULUS_GPA:g}..{MAX_MODULUS_GPA:g}: are these mm, g, "
-            "s and Hz, and is a film's slow motion undone?"
+            f"{', '.join(strip.name for strip in strips)}: the readings give a modulus of "
+            f"{number.number:.3g} GPa: plastics have {MIN_MODULUS_GPA:g}..{MAX_MODULUS_GPA:g}. Are these mm, g, "
+            "s and Hz? Did you correct for a film's slow motion?"
         )
     sets = ("material.youngs_modulus_gpa", "material.youngs_modulus_sd_gpa")
     readings = sum(strip.tries for strip in strips)

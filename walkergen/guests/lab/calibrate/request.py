@@ -70,11 +70,11 @@ class CalibrateRequest(CalibrateFields):
         if self.plate is not None:
             return self._calibrate_plate(self.plate)
         if self.what is None:
-            raise InputError("‹what›: name a filled form, plate or drop; or ‹plate=›FILE", "what")
+            raise InputError("‹what› is missing. Write plate, drop or a filled form, or ‹plate=›FILE.", "what")
         what = self.what if self.what in ("drop", "plate") else FORM_KIND
         for field, owners in KINDS_BY_FIELD.items():
             if what not in owners:
-                self.check_unset(f"is of calibrate {', '.join(owners)}, not of {what}", field)
+                self.check_unset(f"works only with calibrate {' or '.join(owners)}, not with {what}", field)
         given = self.inputs()
         other = "scene" if what == "plate" else "printer"
         given.check_unset(given.keys_of(other), f"this command takes no {other} for {what}; leave it out")
@@ -96,7 +96,7 @@ class CalibrateRequest(CalibrateFields):
         from walkergen.guests.lab.calibrate import plate_drive
         from walkergen.guests.lab.report import write_report
 
-        self.check_unset("is not of ‹plate›", "what", *(name for name in KINDS_BY_FIELD if name != "scene"))
+        self.check_unset("conflicts with ‹plate›", "what", *(name for name in KINDS_BY_FIELD if name != "scene"))
         setup = self._read_setup(self.inputs())
         report = plate_drive.calibrate(path, setup, output.result_folder(path, self.out, "calibrate"))
         choices = {"file": path.name, "settings": report.settings}

@@ -52,8 +52,8 @@ def responses(inputs: FitInputs, settings: Sequence[Setting]) -> list[SurrogateS
             known = surrogate.case_in_domain(scene, design, mass_of(design), within_goal=False)
         except UnknownError as error:
             raise InputError(
-                f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: fit simulated speeds, "
-                "‹model=›space, or leave this tilt out"
+                f"{design.name}, tilt {setting.tilt:g} deg: no fit without simulation ({error.text}). "
+                "Add ‹model=›space, or leave this tilt out."
             ) from None
         by_setting.append(SurrogateSpeed(setting, known, names))
     return by_setting

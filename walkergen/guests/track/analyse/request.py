@@ -117,7 +117,7 @@ class AnalyseRequest(request.Request):
         if self.dish is None:
             self.check_unset("has an effect only with ‹dish›", "body", "middle", "runs")
         else:
-            self.check_unset("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
+            self.check_unset("works only for single walkers, not with ‹dish›", "lag_ms", "arena", "descent_deg")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.result_folder(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
