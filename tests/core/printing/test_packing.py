@@ -125,15 +125,15 @@ def test_a_part_too_large_for_the_printer_is_refused_with_sizes(size: tuple[floa
         plate.pack(parts, MK3S)
     message = str(caught.value)
     assert message.startswith(f"large: {size[0]:.7g} x {size[1]:.7g} x {size[2]:.7g} mm")
-    assert "prusa-mk3s: 240 x 200 mm inside margins of 5 mm, 210 mm high" in message
-    assert message.endswith("; neither do 1 more")
+    assert "prusa-mk3s. Its bed is 240 x 200 mm inside margins of 5 mm, and it prints 210 mm high" in message
+    assert message.endswith(". 1 more do not fit either.")
     assert len(message.splitlines()) == 1
 
 
 def test_too_many_plates_are_refused_with_the_number_that_fits() -> None:
     parts = [part("walker", copies=200)]
     assert len(plate.pack(parts, MK3S, max_plates=3)) == 3
-    with pytest.raises(PlateError, match=r"^200 parts need 3 plates .* 2 allowed .room for 182 parts"):
+    with pytest.raises(PlateError, match=r"^200 parts need 3 beds .* max_plates=2 holds 182\."):
         plate.pack(parts, MK3S, max_plates=2)
 
 
@@ -195,5 +195,5 @@ def test_a_plate_holds_at_most_what_is_allowed() -> None:
     plates = plate.pack(parts, MK3S, max_parts=10)
     assert [len(one.placements) for one in plates] == [10, 10, 10, 4]
     check(plates, parts, MK3S)
-    with pytest.raises(PlateError, match=r"34 parts need 4 plates .* 3 allowed .room for 30"):
+    with pytest.raises(PlateError, match=r"34 parts need 4 beds .* max_plates=3 holds 30\."):
         plate.pack(parts, MK3S, max_plates=3, max_parts=10)
