@@ -53,7 +53,7 @@ def problems(limb: Limb) -> list[str]:
     )
     if limb.brace <= foot_width:
         return []
-    return [f"the brace ({limb.brace:g} mm) is thicker than its foot ({foot_width:.3f} mm)"]
+    return [f"the brace ({limb.brace:g} mm) is thicker than its foot ({foot_width:.3f} mm). Make it thinner"]
 
 
 def _brace_profile(limb: Limb) -> Polygon:
