@@ -226,7 +226,8 @@ def _side_faults(limb: Limb, body_depth: float) -> list[str]:
         return []
     return [
         f"the leg, {limb.width:g} mm wide (width_mm) at {limb.across:g} (across_mm), extends beyond the "
-        f"body: it reaches z = {reach:.3f} mm, but the body ends at {0.5 * body_depth:.3f} mm. Move it, or make it narrower"
+        f"body: it reaches z = {reach:.3f} mm, but the body ends at {0.5 * body_depth:.3f} mm. "
+        "Move it, or make it narrower"
     ]
 
 
