@@ -193,6 +193,15 @@ def test_what_is_not_ours_is_left_alone_and_all_else_is_written(tmp_path):
     assert "a.csv" not in str(caught.value)
 
 
+def test_a_file_left_alone_is_named_once_however_often_it_was_to_be_written(tmp_path):
+    (tmp_path / "a.csv").write_bytes(b"mine")
+    with pytest.raises(OutputError) as caught, Folder(tmp_path) as folder:
+        folder.write("a.csv", b"half")
+        folder.write("a.csv", b"whole")
+        folder.finish({})
+    assert str(caught.value).count("a.csv") == 1
+
+
 @pytest.mark.parametrize(
     "content",
     [

@@ -190,7 +190,7 @@ class Folder:
             _remove_leftovers(path.parent)
             self._tidied.add(path.parent)
         if not self._can_overwrite(name, digest):
-            self.left.append(name)
+            self.left += [] if name in self.left else [name]
             return False
         try:
             self._ledger.append_hash(name, digest)
