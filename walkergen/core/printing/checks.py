@@ -124,9 +124,9 @@ def _check_walls(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
-    """Return the finding on a wall, or None if it is good.
+    """Return the finding on a wall, or None if it prints well.
 
-    `mass_sd` is the relative deviation of masses that the prediction allows for.
+    There is advice if its plastic deviates by more than `mass_sd`, a share of the drawn plastic.
     """
     width, section, slant = printer.line_width_mm, wall.section, wall.slant
     lines, expected = section / width, walls.deviation(section, printer)
@@ -170,7 +170,10 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
-    """Return the closest good thickness, mm, in hundredths. `slant` is the cosine of the wall's tilt."""
+    """Return the closest thickness, in hundredths of a mm, at which a wall prints well.
+
+    `slant` is the cosine of the wall's tilt.
+    """
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
     return next(
@@ -312,7 +315,10 @@ def section_area(mesh: Mesh, height: float) -> float:
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield errors for parts, brims and skirt beyond the bed. `boxes`, shape (n, 4), mm: left, front, right, back."""
+    """Yield errors for parts, brims and skirt beyond the bed.
+
+    `labels` are the names of the parts, and `boxes`, shape (n, 4), their left, front, right and back sides, mm.
+    """
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
@@ -328,7 +334,7 @@ def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> 
 
 
 def _check_spacing(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield a finding for each two parts, with boxes (left, front, right, back), mm, that are too close or overlap."""
+    """Yield a finding for each two parts that are too close or overlap. Arguments as for `_check_bed_limits`."""
     brims, min_gap = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]

@@ -54,7 +54,7 @@ class Item(NamedTuple):
 
 
 def stl_bytes(mesh: Mesh, header: str) -> bytes:
-    """Return a mesh in mm as binary STL, with its header after the words "binary STL, mm: "."""
+    """Return a mesh in mm as binary STL. The file begins with "binary STL, mm: " and then the text `header`."""
     return stl.pack(mesh.vertices[mesh.triangles], header)
 
 
@@ -133,7 +133,7 @@ def _zip_files(files: Mapping[str, bytes]) -> bytes:
 
 
 class _Named(NamedTuple):
-    """Copy with an object of its own."""
+    """Printed copy that has a name, and so an object, of its own in a 3MF file."""
 
     name: str
     solid: str
@@ -180,7 +180,10 @@ def _lib3mf_wrapper() -> Any:
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
-    """Add a solid to a lib3mf model, its corner at the origin, and return the object. Raises SolidError."""
+    """Add a solid to a lib3mf model, its corner at the origin, and return the object. Raises SolidError.
+
+    `title` of the file and `number` of the solid, from 0, make its UUID.
+    """
     name = _xml_safe(solid.name)
     added = model.AddMeshObject()
     added.SetName(name)
@@ -197,7 +200,10 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
 
 
 def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
-    """Add an object to a lib3mf model that shows another object, `mesh`, under its own name, and return it."""
+    """Add an object to a lib3mf model that shows another object, `mesh`, under its own name, and return it.
+
+    `title` of the file and `number` of the copy, from 0, make its UUIDs.
+    """
     added = model.AddComponentsObject()
     added.SetName(name)
     added.SetUUID(_make_uuid(title, "copy", number, name))

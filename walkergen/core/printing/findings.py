@@ -39,15 +39,18 @@ class Setting(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """A deviation of the print from the drawing, with its limit and a remedy."""
+    """A deviation of the print from the drawing: the problem `what`, its size `seen` with a limit, the remedy `change`.
+
+    `where` is its place: the name of a part, plate or printer.
+    """
 
     level: Level
     where: str
-    """Name of the part, plate or printer."""
     what: str
     seen: float
     limit: float
     unit: str
+    """Unit of `seen` and `limit`."""
     change: str
     part: About
     setting: Setting | None = None
@@ -99,17 +102,17 @@ def combine_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Fin
 
 
 def group_findings(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
-    """Merge findings of a kind into the worst one, with the number of others, and list errors first.
+    """Merge findings with the same limit and remedy into the worst of them, and list errors first.
 
-    A kind has one limit and one remedy. Its worst finding is the farthest from the limit. Only `levels` are listed.
+    The worst is the farthest from the limit. Its place gets the number of the other places. Only `levels` are listed.
     """
-    kinds: dict[Finding, list[Finding]] = {}
+    groups: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        kinds.setdefault(finding._replace(where="", what="", seen=0.0), []).append(finding)
+        groups.setdefault(finding._replace(where="", what="", seen=0.0), []).append(finding)
     merged = []
-    for alike in kinds.values():
-        worst = max(alike, key=lambda finding: abs(finding.seen - finding.limit))
-        others = len({finding.where for finding in alike} - {worst.where})
+    for group in groups.values():
+        worst = max(group, key=lambda finding: abs(finding.seen - finding.limit))
+        others = len({finding.where for finding in group} - {worst.where})
         merged.append(worst._replace(where=worst.where + (f" and {others} more" if others else "")))
     chosen = [finding for finding in merged if finding.level in levels]
     return sorted(chosen, key=lambda finding: LEVELS.index(finding.level))

@@ -186,7 +186,7 @@ def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[
     """Place copies in rows, left to right and front to back, each as deep as its deepest part."""
     bed_width, bed_depth = _bed_micrometres(printer)
     plates: list[Plate] = []
-    placed: list[tuple[int, int, int, int]] = []
+    placed: list[tuple[int, int, int, int]] = []  # copies on the current plate: part, copy, x, y; micrometres
     x = y = right = row_depth = 0
     for index, part in enumerate(parts):
         width, depth = _cell_size(part, printer)

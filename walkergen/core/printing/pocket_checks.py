@@ -26,7 +26,7 @@ SLICE_COUNT = 8
 
 
 def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
-    """Yield the findings on the pockets of one walker, whichever way it lies."""
+    """Yield the findings on the pockets of one walker, printed on its side or upside down."""
 
     def warning(what: str, seen: float, limit: float, change: str) -> Finding:
         """Return a warning on the pockets, with sizes in mm."""
@@ -73,7 +73,7 @@ def ceiling_span(part: Part, design: Design) -> float:
 
 
 def thinnest_wall(part: Part, design: Design) -> float:
-    """Return the thinnest wall between a pocket and the edge of the body, across the way to its opening, mm.
+    """Return the thinnest wall, mm, between a pocket and the edge of the body in planes across its opening direction.
 
     It is 0 where the pocket breaks through. It is infinite if the body is a mesh, whose outline is unknown, and the
     pocket opens above or below.
@@ -113,10 +113,12 @@ def _side_wall(part: Part, design: Design) -> float:
         half_length, half_height = half[0] + clearance, half[1] + clearance
         pocket = shapely.box(x - half_length, y - half_height, x + half_length, y + half_height)
     body = modeller.to_solid(solids.build(pockets.without_pockets(design)).body)
-    # A part that lies across narrows behind its middle, its pocket does not before it
+    # Range of z of the slices: from where the part is widest, up to the opening
     ends = z - (half[2] if cylinder.axis == 2 else 0.0), min(z + half[2], design.size.depth)
     heights = ends[0] + (np.arange(SLICE_COUNT) + 0.5) / SLICE_COUNT * (ends[1] - ends[0])
-    return min(_wall_thickness(pocket, _combine_contours(body.slice(float(at)).to_polygons())) for at in heights)
+    return min(
+        _wall_thickness(pocket, _combine_contours(body.slice(float(height)).to_polygons())) for height in heights
+    )
 
 
 def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":

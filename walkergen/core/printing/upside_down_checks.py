@@ -52,11 +52,11 @@ def overhang_area(design: Design, mesh: Mesh) -> float:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normals, axis=1)
     downward_areas: Array = -0.5 * normals[:, 2]
-    # A picometre aside, so that faces of exactly that angle are as rounding has them
+    # 1e-9 more, so that rounding does not count faces of exactly that angle
     is_steep = downward_areas > (math.sin(math.radians(MAX_OVERHANG_DEG)) + 1e-9) * areas
     heights = corners[:, :, 2]
-    pocket = design.marks.depth_mm if design.letters else 0.0
-    is_in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + pocket + ROUNDING_MM
+    engraving_depth = design.marks.depth_mm if design.letters else 0.0
+    is_in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + engraving_depth + ROUNDING_MM
     is_body = heights.min(axis=1) < design.size.thickness - ROUNDING_MM
     return float(areas[is_steep & is_in_air & is_body].sum())
 

@@ -185,10 +185,10 @@ def _classic_thickness(thickness: float, printer: Printer) -> float:
     width, rounding = printer.line_width_mm, line_rounding(printer)
     spacing = width - rounding
     # With thin walls on, a pair is laid only where its lines overlap by less than 40 %.
-    squeezed = 0.6 * spacing if printer.thin_walls else 0.0
-    if thickness <= width + squeezed:
+    min_pair_spacing = 0.6 * spacing if printer.thin_walls else 0.0
+    if thickness <= width + min_pair_spacing:
         return thickness
-    pairs = 2 if thickness > width + 2.0 * spacing + squeezed else 1
+    pairs = 2 if thickness > width + 2.0 * spacing + min_pair_spacing else 1
     lines = 2.0 * pairs * spacing
     unfilled = rounding + 0.12 * width  # a gap up to this width is left open
     return lines if thickness <= lines + unfilled else thickness - rounding

@@ -119,16 +119,16 @@ class Body(Section):
     ) -> dict[str, Any]:
         """Return the keys of a body after a change of its shape, without keys that described the old shape.
 
-        `table` are the keys of the body after the change, and `source` is the new source key, such as "outline".
-        `former` is the body before it. Keys in `values`, which users set as "body.length_mm", are kept.
+        `table` has all keys and values after the change, and `source` is the new source key, such as "outline".
+        `former` is the body before the change. Keys in `values`, which users set as "body.length_mm", are kept.
         """
-        gone = set(SOURCE_KEYS) - {source}
+        dropped = set(SOURCE_KEYS) - {source}
         if getattr(former, source) is None:
-            gone |= {*SOURCE_DETAIL_KEYS, "length_mm", "depth_mm"}
-        gone |= cls.model_construct(**{source: table[source]})._derived_keys(source)
+            dropped |= {*SOURCE_DETAIL_KEYS, "length_mm", "depth_mm"}
+        dropped |= cls.model_construct(**{source: table[source]})._derived_keys(source)
         if source == "outline" and table[source] != "polygon":
-            gone.add("points_mm")
-        return {key: value for key, value in table.items() if key not in gone or f"body.{key}" in values}
+            dropped.add("points_mm")
+        return {key: value for key, value in table.items() if key not in dropped or f"body.{key}" in values}
 
     @property
     def sourced(self) -> bool:
@@ -204,7 +204,7 @@ class FinishedWalker(NamedTuple):
     whole: Mesh
     body: Mesh
     legs: tuple[Mesh, ...]
-    """Legs from back to front, those at one place from z = 0 on."""
+    """Legs from back to front. Legs side by side are in the order of their z."""
     limbs: Callable[[Kind, float], tuple[Limb, ...]]
     """Its legs with all their numbers, from their kind and the body's depth, mm. Raises GeometryError."""
 

@@ -41,6 +41,8 @@ class Design(WalkerSpec):
     Notes
     -----
     The body's middle is the origin of the x-y plane, with y up. Feet lie behind their anchors for a positive tilt.
+    `pair`: two equal legs in the table [legs]. `placed`: legs are placed automatically. `whole`: the body is a mesh of
+    a finished walker. `follows`: at least one leg has the family's tilt. `parts`: motor and battery.
 
     References
     ----------
@@ -56,14 +58,14 @@ class Design(WalkerSpec):
     @model_validator(mode="before")
     @classmethod
     def _level_stance(cls, data: Any) -> Any:
-        """Turn a walker with `stance = "as built"` until its feet are level, before its keys are validated."""
+        """Return the keys of a walker before validation. If `stance = "as built"`, turn it until its feet are level."""
         if not isinstance(data, Mapping):
             return data
         data = merge_walker_table(data)
         if data.get("stance") != "as built":
             return data
-        follow = data.get("leg_tilt_deg")
-        return resolve.load_readers().level_feet(data, DEFAULT_TILT_DEG if follow is None else follow)
+        tilt_deg = data.get("leg_tilt_deg")
+        return resolve.load_readers().level_feet(data, DEFAULT_TILT_DEG if tilt_deg is None else tilt_deg)
 
     @model_validator(mode="after")
     def _check_buildable(self) -> Self:

@@ -304,7 +304,10 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_hei
 
 
 def _place_limits(opens: Opening, axis: int, half_width: float, body_size: float) -> tuple[float, float]:
-    """Return the range of a pocket's middle along axis 0, 1 or 2 (x, y, z), mm. `half_width` is half its size."""
+    """Return the range, mm from the body's middle, in which a pocket's middle may lie along axis 0, 1 or 2 (x, y, z).
+
+    `half_width` is half the size of the pocket along this axis, and `body_size` the size of the body, mm.
+    """
     limit = 0.5 * body_size - MIN_FLOOR_MM - half_width
     low, high = -limit, limit
     if axis == 1 and opens == "down":

@@ -45,7 +45,7 @@ class SolidMass(NamedTuple):
 
 
 class Spatial(NamedTuple):
-    """Mass properties of the third dimension, for motion in space."""
+    """Mass properties of the third dimension, for 3D simulations."""
 
     z: float
     """Position of O across the run, from the middle of the walker's depth, mm."""
@@ -70,10 +70,10 @@ class LegMass(NamedTuple):
     c_T: Array
     """Vector from the leg's centre of mass to its foot (the point that touches the plate)."""
     across: float = 0.0
-    """Place of its centre of mass across the run, from the middle of the walker's depth, mm."""
+    """Position of its centre of mass across the run, from the middle of the walker's depth, mm."""
     tensor: Array | None = None
     """Inertia tensor about its own centre of mass, shape (3, 3), g mm^2, zero when braced. None if unknown; only
-    motion in space needs it."""
+    3D simulations need it."""
 
     @property
     def foot(self) -> Array:
@@ -102,7 +102,7 @@ class MassProperties(NamedTuple):
     rigid: bool
     """True when all legs are braced."""
     spatial: Spatial | None = None
-    """Mass properties across the run. None if unknown; only motion in space needs them."""
+    """Mass properties across the run. None if unknown; only 3D simulations need them."""
 
     @property
     def total(self) -> Values:
@@ -184,18 +184,21 @@ def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties
 
 
 def scale_masses(mass: MassProperties, body_ratio: Values, leg_ratio: Values) -> MassProperties:
-    """Return mass properties with all masses and inertias multiplied by a ratio, or by an array of ratios."""
-    spatial, matrix_axes = mass.spatial, (..., None, None)
+    """Return mass properties with masses and inertias multiplied by ratios, one for the body and one for all legs.
+
+    For arrays of ratios, their axes become the leading batch axes of the result.
+    """
+    spatial, matrix_axes = mass.spatial, (..., None, None)  # a ratio for each whole tensor, shape (3, 3)
     body_ratio, leg_ratio = np.asarray(body_ratio), np.asarray(leg_ratio)
     if spatial is not None:
         spatial = spatial._replace(body=spatial.body * body_ratio[matrix_axes])
     legs = tuple(
-        one._replace(
-            m=one.m * leg_ratio,
-            j=one.j * leg_ratio,
-            tensor=None if one.tensor is None else one.tensor * leg_ratio[matrix_axes],
+        leg._replace(
+            m=leg.m * leg_ratio,
+            j=leg.j * leg_ratio,
+            tensor=None if leg.tensor is None else leg.tensor * leg_ratio[matrix_axes],
         )
-        for one in mass.legs
+        for leg in mass.legs
     )
     return mass._replace(M=mass.M * body_ratio, J=mass.J * body_ratio, legs=legs, spatial=spatial)
 
@@ -230,7 +233,7 @@ def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
 def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
     """Raise GeometryError unless the centre of mass lies above the area between the feet."""
     centre = _centre_in_plan(mass)
-    corners = np.array(
+    corners = np.array(  # both ends of each foot, (x, z) from O and half the depth
         [
             (leg.foot[0], limb.across + side * 0.5 * limb.width)
             for limb, leg in zip(limbs, mass.legs, strict=True)

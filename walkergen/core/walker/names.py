@@ -19,7 +19,7 @@ def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
 
 
 def is_part_name(name: str) -> bool:
-    """Return whether a name has the form of those of `part_name`, or of one of their copies (NAME-3)."""
+    """Return whether a text has the form of a name of `part_name`, or of a copy of it, such as NAME-3."""
     return bool(re.fullmatch(r".+_t-?\d+\.\d+_[a-z-]+_s\d+\.\d+(-[1-9]\d*)?", name))
 
 
@@ -64,7 +64,7 @@ def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
 def design_letters(members: Sequence[Design]) -> dict[str, str]:
     """Return a letter for the name of each design, as pictures show it: A to Z, then AA, empty for one design."""
     designs = list(group_by_design(members))
-    return {} if len(designs) == 1 else {name: _column_letters(at) for at, name in enumerate(designs)}
+    return {} if len(designs) == 1 else {name: _column_letters(index) for index, name in enumerate(designs)}
 
 
 def legend(members: Sequence[Design]) -> str:

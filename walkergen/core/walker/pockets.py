@@ -29,7 +29,7 @@ OPENING_DIRECTIONS = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (
 
 
 def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
-    """Cut the pockets of a design's parts into the meshes of walker and body, and return both.
+    """Cut the pockets for a design's motor and battery into the meshes of walker and body, and return both.
 
     `roots` are the legs with their ends inside the body. Raises GeometryError, beginning
     with the key, for parts that overlap each other or a leg, or have no floor.
@@ -44,14 +44,14 @@ def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh])
         others = [pocket for other, pocket in pocket_solids.items() if other not in (name, "channel")]
         _check_floor(name, part, solid - _unite(others), design)
     cavity = _pocket_union(design)
-    rest = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
-    if any(len(modeller.split_bodies(piece)) != 1 for piece in rest):
+    cut = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
+    if any(len(modeller.split_bodies(piece)) != 1 for piece in cut):
         raise GeometryError(
             f"{_format_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces. "
             "Move them, or make the body larger.",
             _place_key(next(iter(design.parts))),
         )
-    return modeller.to_mesh(rest[0]), modeller.to_mesh(rest[1])
+    return modeller.to_mesh(cut[0]), modeller.to_mesh(cut[1])
 
 
 def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
@@ -112,21 +112,21 @@ def _cylinder_mass(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
     return SolidMass(mass, np.array(cylinder.centre_in_design(depth)), tensor, volume)
 
 
-def wall_between(design: Design, most: float) -> float:
+def wall_between(design: Design, max_thickness: float) -> float:
     """Return the thinnest wall between the pockets of motor and battery within the body's box, mm.
 
-    It is 0 if one opens into the other, and `most` (mm) if the wall is thicker or there is one pocket.
+    It is 0 if one opens into the other. It is `max_thickness` (mm) if the wall is thicker or there is only one pocket.
     The channel of the wires, which is meant to join them, does not count.
     """
     if len(design.parts) < 2:
-        return most
+        return max_thickness
     size = design.size
     box = manifold3d.Manifold.cube((size.length, size.thickness, size.depth))
     box = box.translate((-0.5 * size.length, -0.5 * size.thickness, 0.0))
     pocket_solids = [_swept_volume(part, design) ^ box for part in design.parts.values()]
     if not modeller.check_solid(pocket_solids[0] ^ pocket_solids[1]).is_empty():
         return 0.0
-    return float(pocket_solids[0].min_gap(pocket_solids[1], most))
+    return float(pocket_solids[0].min_gap(pocket_solids[1], max_thickness))
 
 
 def _pocket_solids(design: Design) -> dict[str, manifold3d.Manifold]:
@@ -213,7 +213,10 @@ def _check_overlap(design: Design) -> None:
 
 
 def _check_leg_clear(name: str, cut: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
-    """Raise GeometryError if a pocket, or the "channel", cuts a leg or the end of a leg inside the body."""
+    """Raise GeometryError if a pocket cuts a leg or the end of a leg inside the body.
+
+    `name` is that of the pocket's part, or "channel" for the channel of the wires. `cut` is the solid to cut away.
+    """
     for number, leg in enumerate(legs, start=1):
         lost = modeller.check_solid(leg ^ cut).volume()
         if lost > ROUNDING_SHARE * leg.volume():
@@ -228,7 +231,10 @@ def _check_leg_clear(name: str, cut: manifold3d.Manifold, legs: Sequence[manifol
 
 
 def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
-    """Raise GeometryError unless solid plastic closes the pocket of a part on the side opposite its opening."""
+    """Raise GeometryError unless solid plastic closes the pocket of a part on the side opposite its opening.
+
+    `body` is the solid of the body without the pocket of the other part.
+    """
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
     inward = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
     layer = _convex_hull(points + MIN_FLOOR_MM * inward) - _convex_hull(points)
@@ -245,11 +251,11 @@ def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Desig
 
 
 def _format_place(name: str, design: Design) -> str:
-    """Format the key and value of a part's place, or of the width of the "channel"."""
+    """Format, as "key = value", the position of a part along the body, or the width of the "channel"."""
     value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
     return f"{_place_key(name)} = {value:g}"
 
 
 def _place_key(name: str) -> str:
-    """Return the key of a part's place, or of the width of the "channel"."""
+    """Return the key of a part's position along the body, or of the width of the "channel"."""
     return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

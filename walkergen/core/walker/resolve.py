@@ -90,7 +90,7 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
 
 
 def describe_placement(spec: WalkerSpec) -> str:
-    """Describe the positions of automatic legs. Raises UnplacedError if there are none."""
+    """Describe the positions of automatic legs in one line. Raises UnplacedError if no positions fit."""
     assert isinstance(spec.legs, Legs)
     words: str = load_readers().find_placement(spec.body.key, spec.legs.model_dump_json()).words
     return words
@@ -149,7 +149,7 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
 
 
 def _pair_faults(legs: Legs, size: Size) -> list[str]:
-    """Return the problems of two equal legs, with the largest possible tilt."""
+    """Return the problems of two equal legs, one line each, with the largest possible tilt if there is one."""
     problems = []
     for text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
@@ -191,6 +191,7 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
 
 
 def _outer_leg(back: Limb, front: Limb) -> Limb:
+    """Return the leg whose anchor is farther from the middle of the body."""
     return max(back, front, key=lambda limb: abs(limb.anchor[0]))
 
 

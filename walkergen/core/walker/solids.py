@@ -85,7 +85,7 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = Tru
     Returns
     -------
     Solids
-        Meshes in mm, in the design's frame.
+        Meshes in mm: those of legs with their anchor at the origin, the others in the design's frame.
 
     Raises
     ------
@@ -114,7 +114,10 @@ def _build_cap(design: Design, body: Mesh) -> Mesh | None:
 
 
 def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
-    """Add the pockets for a design's parts to its solids. Raises GeometryError."""
+    """Cut the pockets for a design's motor and battery into its solids, and check that they leave the marks whole.
+
+    `foot_segments`: edges of a round foot's half circle. Raises GeometryError.
+    """
     from walkergen.core.walker import pockets
 
     if design.whole:
@@ -133,7 +136,10 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 
 def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker without pockets and cap. Body and legs are one mesh if `united`."""
+    """Build the solids of a walker without pockets and cap. `foot_segments`: edges of a round foot's half circle.
+
+    `Solids.walker` is the union of body and legs if `united`. Otherwise they may be separate pieces of it.
+    """
     if design.shape.whole is not None:
         return _finished_solids(design.shape.whole, design)
     if not design.body.plain:
@@ -141,15 +147,15 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
     body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
     sections = _leg_profiles(limbs, foot_segments)
     digits = Engraving(_engraving_profiles(design), design.marks.depth_mm)
-    top, legs = extrude([body], depth, 0, digits), _build_legs(limbs, sections)
+    top, legs = extrude([body], depth, windows=0, engraving=digits), _build_legs(limbs, sections)
     if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
         windows = sum(has_window(limb) for limb in limbs)
-        placed = [
+        leg_profiles = [
             part + np.array(limb.anchor)
             for limb, section in zip(limbs, sections, strict=True)
             for part in section.raised
         ]
-        return Solids(extrude([body, *placed], depth, windows, digits), top, legs)
+        return Solids(extrude([body, *leg_profiles], depth, windows, digits), top, legs)
     from walkergen.core.shapes import joining
 
     bars = _build_bars(limbs, sections, depth)
@@ -164,7 +170,10 @@ def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker whose body is no rectangle in side view. Body and legs are one mesh if `united`."""
+    """Build the solids of a walker whose body is no rectangle in side view, without pockets and cap.
+
+    `foot_segments` and `united` are those of `_build_plain_solids`.
+    """
     from walkergen.core.shapes import joining
 
     readers = load_readers()
@@ -177,8 +186,8 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     legs = _build_legs(limbs, sections) if design.body.flat else _build_flush_legs(limbs, bars, joined_body, depth)
     if united:
         return Solids(joining.unite_with_legs(joined_body, bars), joined_body.mesh, legs, weighed=weighed)
-    placed = [leg.shift(_anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
-    return Solids(_concatenate_meshes([joined_body.mesh, *placed]), joined_body.mesh, legs, weighed=weighed)
+    shifted_legs = [leg.shift(_anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
+    return Solids(_concatenate_meshes([joined_body.mesh, *shifted_legs]), joined_body.mesh, legs, weighed=weighed)
 
 
 def _build_flush_legs(
@@ -186,7 +195,8 @@ def _build_flush_legs(
 ) -> tuple[Mesh, ...]:
     """Cut legs where they enter a body whose underside is not flat, and return the parts outside it.
 
-    `bars` are the legs that reach into the body. Each result has its anchor at the origin. Raises GeometryError.
+    `bars` are meshes of the legs that reach into the body, which is `depth` mm deep. Each result has its anchor at the
+    origin. Raises GeometryError.
     """
     from walkergen.core.shapes import joining
 
@@ -224,7 +234,7 @@ def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
 
 
 def _extend_into_body(profile: Polygon, embedding: float) -> Polygon:
-    """Extend a profile, shape (n, 2), mm, by `embedding` mm upward, into the body."""
+    """Extend a leg's profile, shape (n, 2), by `embedding` mm into the body. Its first and last points are on top."""
     left, right = profile[0], profile[-1]
     up = np.array([0.0, embedding])
     return np.concatenate([profile, [right + up, left + up]])
@@ -332,7 +342,7 @@ def mass_of(design: Design) -> MassProperties:
     if design.parts or not design.body.plain:
         return weigh(design, build(design, united=False))
     digits = Engraving(_engraving_profiles(design), design.marks.depth_mm)
-    top = extrude([_body_profile(design)], design.size.depth, 0, digits)
+    top = extrude([_body_profile(design)], design.size.depth, windows=0, engraving=digits)
     legs = _build_legs(design.limbs, _leg_profiles(design.limbs, FOOT_SEGMENTS))
     return _assemble_and_check(design, mass.weigh(top, 1.0), legs, _build_cap(design, top))
 
@@ -391,12 +401,12 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
 
 
 def has_window(limb: Limb) -> bool:
-    """Return whether there is air between a braced leg and its brace, as at all but small tilts."""
+    """Return whether there is a gap between a braced leg and its brace. At small tilts there is none."""
     return window_width(limb) > MIN_WINDOW_RATIO * limb.length
 
 
 def _body_profile(design: Design) -> Polygon:
-    """Return the profile of the body with the notches in its upper edge, counter-clockwise."""
+    """Return the side view of the body with its notches, counter-clockwise, shape (n, 2), mm."""
     if design.body.profile_mm is not None:
         side = design.shape.side
         assert side is not None
@@ -409,7 +419,7 @@ def _body_profile(design: Design) -> Polygon:
 
 
 def _engraving_profiles(design: Design) -> list[Polygon]:
-    """Return the outlines of a body's engraving, about its middle: its digits or its text."""
+    """Return the outlines of the digits or text to engrave, shape (n, 2) each, mm from the body's middle, or []."""
     if design.marks.blank:
         return []
     return load_readers().engraved_profiles(design)

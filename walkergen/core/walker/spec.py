@@ -160,7 +160,7 @@ class WalkerSpec(Section):
         return {**data, **tables}
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the data without keys that followed from the old shape of the body, if `values` set a new one.
+        """Return `data`, changed in place, without keys for the old shape of the body, if `values` set a new shape.
 
         `values` are by dotted keys, and are kept. For a new shape, positions of two equal legs are found automatically,
         so old ones are dropped. Masses and marks of the old shape are dropped too, and the family, since automatic legs
@@ -179,7 +179,7 @@ class WalkerSpec(Section):
                 data["name"] = name_from_text(Path(str(values[f"body.{source}"])).stem)
                 data.pop("description", None)
         if source != "profile_mm" and not any(key.partition("[")[0] == "legs" for key in values):
-            data["legs"] = self._without_places(
+            data["legs"] = self._without_positions(
                 data.get("legs", {}), data["body"].get("outline") in BUILTIN_OUTLINES, values
             )
             if isinstance(data["legs"], dict):
@@ -189,10 +189,10 @@ class WalkerSpec(Section):
                 data.pop(table, None)
         return data
 
-    def _without_places(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
+    def _without_positions(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
         """Return the legs' data for a new shape of the body, without positions except those in `values`.
 
-        A list becomes two equal legs, unless `keep_list`.
+        A list of legs becomes the table of two equal legs, unless `keep_list`.
         """
         if isinstance(legs, Mapping):
             return {key: value for key, value in legs.items() if key not in PLACEMENT_KEYS or f"legs.{key}" in values}
@@ -285,7 +285,7 @@ class WalkerSpec(Section):
 
     @property
     def letters(self) -> str:
-        """Engraved letters, with the number of a copy on a body in plan view, or "" without any."""
+        """Text and serial number to engrave as letters, or "". A serial number alone needs a body in plan view."""
         number = self.marks.kind == "none" and self.body.flat
         return self.marks.letters if number or self.marks.kind == "text" else ""
 

@@ -1,10 +1,10 @@
 """Weighed masses of printed walkers: weights.csv in, masses of body and leg in the design out.
 
 Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
-unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
-and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
-ratios only. They are of the printed part, with its cap; what it carries has rows of its own, with
-grams only.
+unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone multiply the
+masses of body and legs by one factor. The predicted speed stays, since it depends on their ratios only.
+These rows are for the printed part, with its cap. Motor, battery, wires and glue have rows of their
+own, with grams only.
 """
 
 import difflib
@@ -45,7 +45,7 @@ COPY_SUFFIX = re.compile(r"-[1-9][0-9]*$")
 
 
 class Weighings(NamedTuple):
-    """Mean masses (g) that were weighed of a part, over all its copies; without an error of a single weighing."""
+    """Mean weighed masses (g) of one part, over all its copies. The mean of a single weighing has no standard error."""
 
     grams: Quantity | None = None
     body_g: Quantity | None = None
@@ -81,7 +81,7 @@ def format_template(parts: Iterable[str]) -> str:
 
 
 def is_filled_in(path: Path) -> bool:
-    """Return whether a file differs from an unfilled template of walkers. Raises InputError."""
+    """Return whether a file differs from an unfilled form for walkers, False without a file. Raises InputError."""
     parts = _read_blank_form(path)
     return parts is None or not all(names.is_part_name(part) or part in CARRIED_ROWS for part in parts)
 
@@ -238,7 +238,10 @@ def without_weighed_masses(design: Design) -> Design:
 
 
 def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
-    """Return `grams` as the mass of a walker with this number of legs, with its standard error if that is known."""
+    """Return the mass of a walker, `grams`, with its standard error: that of whole walkers, or of body and legs.
+
+    `legs` is the number of legs. Without these weighings the error is None.
+    """
     whole, body, leg = (mean and mean.se for mean in weighed)
     if weighed.grams is None and body is not None and leg is not None:
         whole = math.hypot(body, legs * leg)
@@ -313,7 +316,7 @@ def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], 
         return part
     listed = list(dict.fromkeys(parts.values()))
     close = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
-    near = [one for one in close if one not in present]
+    near = [part_name for part_name in close if part_name not in present]
     hint = f" Did you mean {', '.join(near)}?" if near else "" if close else f" Parts are {', '.join(listed[:3])} ..."
     raise InputError(
         f"part {name[:60]!r}: is not among the parts that ‹tilt› and ‹legs› select. "

@@ -32,12 +32,12 @@ def axial(limb: Limb) -> float:
 def _compliance(limb: Limb) -> float:
     """Return the axial compliance of a leg and its upright brace, times modulus and width, dimensionless.
 
-    Horizontal cuts act as springs in series. Each is as thick as leg and brace without their overlap: at the foot the
-    brace lies in the leg, and higher up it leaves it by tan(tilt) a height. An upright leg hides its brace wholly.
+    Horizontal slices act as springs in series, each as stiff as the thickness of leg and brace together. From the foot
+    upward the brace first lies inside the leg, then leaves it by tan(tilt) a height, and is apart from it at the top.
     """
     height, slope = limb.length * math.cos(limb.tilt), math.tan(abs(limb.tilt))
     leg, overlap = limb.thickness * math.cos(limb.tilt), min(limb.brace, 2.0 * limb.half_width)
-    least = leg + limb.brace - overlap
+    least = leg + limb.brace - overlap  # thickness of a slice at the foot, mm
     inside = 0.5 * abs(2.0 * limb.half_width - limb.brace)
     if slope * height <= inside:
         return height / least
