@@ -74,7 +74,10 @@ def read_header(path: Path) -> list[str]:
 
 
 def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
-    """Return the names in a CSV file's first line, and the cells of its first row, empty without one."""
+    """Return the names in a CSV file's first line, and the cells of its first row, [] without rows.
+
+    Errors begin with `source`.
+    """
     names, stream = _read_names(iter(lines), source)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
     return names, next(rows, [])
@@ -176,7 +179,7 @@ def parse_count(text: str, most: int) -> int | None:
 
 
 def describe_bad_rows(bad: dict[int, str], most: int = MAX_NAMED_ROWS) -> str:
-    """Describe how many rows were left out, with the reasons for the first few, or return '' without any."""
+    """Describe how many rows were left out, and why for the first `most`, or return ''. `bad` is that of `Columns`."""
     if not bad:
         return ""
     named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:most])
@@ -258,7 +261,9 @@ def _parse_chunk(
     except ValueError:
         rows = [split_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
         values = [
-            np.array([_parse_cell(row, column, n >= required_count, words.get(name, ())) for row in rows])
+            np.array(
+                [_parse_cell(row, column, optional=n >= required_count, words=words.get(name, ())) for row in rows]
+            )
             for n, (name, column) in enumerate(columns.items())
         ]
     wrong: dict[int, str] = {}

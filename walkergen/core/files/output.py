@@ -149,8 +149,8 @@ class Folder:
         self.left: list[str] = []
         """Files that walkergen did not write and left unchanged."""
         self._ledger: Ledger | None = None
-        self._listed: dict[str, str] = {}
-        self._tidied: set[Path] = set()
+        self._listed: dict[str, str] = {}  # hashes in the manifest of an earlier run, by file name
+        self._tidied: set[Path] = set()  # folders without temporary files of killed processes
 
     def __enter__(self) -> Self:
         return self
@@ -167,13 +167,13 @@ class Folder:
         if self._ledger is not None:
             return
         hidden = f".{self.manifest}.walkergen" if self.manifest else LEDGER
-        place = self.path
+        path = self.path
         try:
-            place.mkdir(parents=True, exist_ok=True)
-            place = self.path / hidden
-            opened = Ledger(place, exclusive=bool(self.manifest))
+            path.mkdir(parents=True, exist_ok=True)
+            path = self.path / hidden
+            opened = Ledger(path, exclusive=bool(self.manifest))
         except (OSError, ValueError) as error:
-            raise write_error(place, error) from None
+            raise write_error(path, error) from None
         try:
             self._listed = _listed_hashes(self.earlier_manifest())
         except BaseException:
@@ -182,7 +182,7 @@ class Folder:
         self._ledger = opened
 
     def write(self, name: str, data: bytes) -> bool:
-        """Write one file by its name relative to the folder. Return False, without writing, if it is not ours."""
+        """Write one file by its name relative to the folder. If there is a user's file, keep it and return False."""
         self.claim()
         assert self._ledger is not None
         path, digest = self.path / name, hashlib.sha256(data).hexdigest()

@@ -21,11 +21,11 @@ Expect = Callable[[Callable[[], Expected | None]], None]
 
 
 def ignore_estimate(find: Callable[[], Expected | None]) -> None:
-    """Ignore the estimate of a job's duration."""
+    """Do not call the function `find` that estimates a job's duration: an `Expect` for callers that need none."""
 
 
 def silent(what: str, done: int, total: int) -> None:
-    """Report no progress."""
+    """Report nothing: a `Progress` for callers that show none."""
 
 
 def part_progress(progress: Progress, number: int, count: int, title: str = "") -> Progress:

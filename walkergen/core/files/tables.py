@@ -15,8 +15,8 @@ FORMULA_START = re.compile(r"'*[=+\-@\t\r]")
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
     """Format comma-separated values under a header: every digit of a number, nothing for None.
 
-    Text that a spreadsheet would run gets an apostrophe before it. `unquote_formula` removes it. Options have Python
-    names.
+    Text that a spreadsheet would run gets an apostrophe before it. `unquote_formula` removes it. Options
+    marked as ‹option› become the arguments of Python functions.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -19,7 +19,7 @@ ROUNDING_SHARE = 1e-9
 
 
 class Body(NamedTuple):
-    """Body that legs are joined to, made ready once: the modeller takes as long as for a union."""
+    """Body to which legs are joined, as a mesh and as the same solid. The conversion takes as long as a union."""
 
     mesh: Mesh
     solid: manifold3d.Manifold
@@ -31,7 +31,7 @@ def prepare_body(mesh: Mesh) -> Body:
 
 
 def plan_projection(solid: manifold3d.Manifold) -> "BaseGeometry":
-    """Return the region that a solid covers, (x, z), seen from above."""
+    """Return the region that a solid covers seen from above, with x and z as its coordinates, mm."""
     import shapely
 
     covered: BaseGeometry = shapely.Polygon()
@@ -43,7 +43,8 @@ def plan_projection(solid: manifold3d.Manifold) -> "BaseGeometry":
 def leg_prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
     """Build a straight leg of rectangular section, square at both ends, from the middle of its foot upward.
 
-    `foot` and the unit vector `direction`, shape (3,), lie in one x-y plane. `width` is along z. Lengths in mm.
+    The unit vector `direction`, shape (3,), leads from the middle of the foot, `foot`, shape (3,), along the leg in an
+    x-y plane. `width` is along z. Lengths in mm.
     """
     side = 0.5 * thickness * np.array([direction[1], -direction[0], 0.0])
     across, along = np.array([0.0, 0.0, 0.5 * width]), length * direction
@@ -76,8 +77,8 @@ def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
 def unite_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
     """Unite a body and the legs that reach into it to one closed mesh.
 
-    Raises GeometryError, beginning with `key`, when a leg stays apart, and SolidError when the
-    modeller loses or doubles something.
+    Raises GeometryError, beginning with `key`, when a leg does not reach into the body, and SolidError when the volume
+    of the union is impossible.
     """
     parts = [body.solid, *(modeller.to_solid(leg) for leg in legs)]
     union = modeller.check_solid(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))

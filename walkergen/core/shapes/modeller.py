@@ -82,12 +82,14 @@ def extrude(
     engraving: Engraving = NO_ENGRAVING,
     pieces: bool = False,
 ) -> Mesh:
-    """Extrude the union of profiles, shape (n, 2) each, to z = 0..depth. `windows` is its number of holes, if known.
+    """Extrude the union of profiles, shape (n, 2) each, to z = 0..depth, and cut an engraving into its upper side.
+
+    `windows` is the number of holes that the result must have, if known. With `pieces`, it may be several bodies, as
+    letters are. Otherwise it must be one.
 
     manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
     size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
-    SolidError when the result is not one sound body with so many windows, unless `pieces` may be
-    several, as of letters.
+    SolidError when the result is not as required.
     """
     largest_coordinate = max(float(np.abs(profile).max()) for profile in profiles)
     scale = 2.0 ** (30 - math.frexp(max(largest_coordinate, depth))[1])
@@ -127,7 +129,7 @@ def _signed_area(polygon: Polygon) -> float:
 
 
 def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
-    """Cut the pockets of an engraving into a solid that is `scale` times as large as drawn."""
+    """Cut an engraving into the upper side, z = `scale` times `depth`, of a solid `scale` times as large as drawn."""
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
     cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)  # overshoots, so that no sides touch
     cut = solid - cutter.translate((0.0, 0.0, scale * (depth - engraving.depth)))

@@ -1,6 +1,6 @@
 """Reading of 3MF files, and loading of lib3mf, which writes them, if it is available for the machine.
 
-Every printed item is read in its place, in mm. The reader counts everything before it places anything:
+Every printed item is read at its position, in mm. The reader counts everything before it places anything:
 lib3mf places components within components while it opens a file of 1 kB, for minutes, and trimesh keeps one of
 several items that share object and part number.
 """
@@ -154,7 +154,7 @@ class _Object(NamedTuple):
 
 
 class _Package:
-    """Objects of the models in an archive, what its build places, and what slicers noted of them."""
+    """Contents of a 3MF archive: the `objects` of its models, the printed `items`, and the roles of `volumes`."""
 
     def __init__(self, most_triangles: int) -> None:
         self.most_triangles = most_triangles
@@ -183,10 +183,10 @@ class _Package:
             if path not in names:
                 raise InputError(f"refers to {path[:60]!r}, which it does not hold; export the file again")
             self._parse_xml(archive, names[path], *self._model_handlers(path, path == root))
-            objects_of_model = [key for key, made in self.objects.items() if key[0] == path]
+            objects_of_model = [key for key in self.objects if key[0] == path]
             placed = [part for key in objects_of_model for part in self.objects[key].components]
-            others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
-            targets += sorted(others - {*targets})
+            used_paths = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
+            targets += sorted(used_paths - {*targets})
         for path in SLICER_NOTE_FILES:
             if path in names:
                 try:
@@ -205,13 +205,13 @@ class _Package:
 
         Raises ExpatError, and InputError for too many elements.
         """
-        most = MAX_ELEMENTS_PER_TRIANGLE * self.most_triangles + MAX_PARTS
+        max_elements = MAX_ELEMENTS_PER_TRIANGLE * self.most_triangles + MAX_PARTS
 
         def begin_counted(tag: str, attributes: Attributes) -> None:
             """Count an element and pass it on. Raises InputError for too many."""
             self._elements += 1
-            if self._elements > most:
-                raise InputError(f"has more than {most} elements; simplify the mesh")
+            if self._elements > max_elements:
+                raise InputError(f"has more than {max_elements} elements; simplify the mesh")
             begin(tag, attributes)
 
         def refuse_document_type(*_: object) -> None:
@@ -226,7 +226,7 @@ class _Package:
             parser.ParseFile(stream)
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
-        """Return functions that receive the elements of a model and their text. `root` is True for the main model."""
+        """Return functions that receive the elements of the model at `path`, and their text. `root`: the main model."""
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
         current, setting, place = _new_object({}), "", (path, 0)
 
@@ -296,7 +296,7 @@ class _Package:
             elif (
                 tag == "metadata" and attributes.get("key") == "modifier" and attributes.get("value") == "1" and volumes
             ):
-                volumes[-1] = (*volumes[-1][:2], "other")  # before there were types
+                volumes[-1] = (*volumes[-1][:2], "other")  # as older slicers write it
             elif tag == "part":
                 role = ROLES.get(attributes.get("subtype", "normal_part"), "other")
                 self.volumes[int(attributes.get("id", 0))] = [(0, -1, role)]
@@ -332,19 +332,21 @@ class _Package:
         """Yield the surfaces of all items, in their order, mm."""
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
-            for whole, volumes in self._place_meshes(item.object, [item.transform]):
-                # BambuStudio gives what it cuts away the type of what does not print
-                typed: Role = "model" if any(own == "negative" for *_, own in volumes) else whole.role
-                role = typed if item.printed else "other"
-                placed = whole._replace(
-                    name=name, role=role, item=number, vertices=UNITS_MM[self.unit] * whole.vertices
-                )
+            for part, volumes in self._place_meshes(item.object, [item.transform]):
+                # BambuStudio marks an object as not printed if one of its volumes is negative
+                has_negative = any(volume_role == "negative" for *_, volume_role in volumes)
+                printed_role: Role = "model" if has_negative else part.role
+                role = printed_role if item.printed else "other"
+                placed = part._replace(name=name, role=role, item=number, vertices=UNITS_MM[self.unit] * part.vertices)
                 yield from _split_by_role(placed, volumes) if role == "model" else [placed]
 
     def _place_meshes(
         self, place: Place, transforms: list[Array]
     ) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
-        """Yield an object's meshes, moved by all transforms, shape (4, 3) each, and the roles of their triangles."""
+        """Yield an object's meshes, moved by all transforms, and the first and last triangle and role of each volume.
+
+        `transforms`, shape (4, 3) each, are in the order from the item to the object. The last one applies first.
+        """
         placed = self.objects[place]
         for part in placed.components:
             yield from self._place_meshes(part.object, [*transforms, part.transform])
