@@ -7,7 +7,7 @@ corner to them. Only slivers in overlapping directions can meet. Two triangles c
 an edge of one passes through the other, and each has corners farther than the tolerance on both sides
 of the other's plane; or when they lie in one plane, face the same way and overlap by more than the
 tolerance. Neighbours along an edge are not compared: where neighbours are turned alike, one can at most
-lie folded upon the other. In the kernels, `shapes` is an `OrderedTriangles`, and a triangle is a place in its order.
+lie folded upon the other. In the kernels, `shapes` is an `OrderedTriangles`, and a triangle is an index into it.
 """
 
 from typing import NamedTuple
@@ -43,9 +43,9 @@ class OrderedTriangles(NamedTuple):
     """Triangles in the order of the tree, as its kernels read them."""
 
     triangles: Whole
-    """Whole of the vertices, shape (k, 3)."""
+    """Indices of the vertices, shape (k, 3)."""
     corners: Array
-    """Places of the vertices, shape (k, 3, 3)."""
+    """Positions of the vertices, shape (k, 3, 3)."""
     normals: Array
     """Unit normals, shape (k, 3); zero for a triangle without area."""
     low: Array
@@ -55,7 +55,7 @@ class OrderedTriangles(NamedTuple):
     apexes: Whole
     """Crowded corner of each triangle, shape (k,); -1 without any."""
     vertices: Array
-    """Places of the vertices, shape (n, 3)."""
+    """Positions of the vertices, shape (n, 3)."""
 
 
 class Tree(NamedTuple):
@@ -64,13 +64,13 @@ class Tree(NamedTuple):
     leaves: int
     low: Array
     high: Array
-    """Bounds of what is below a node, shape (2 leaves, 6): of places, and of directions seen from its apex."""
+    """Bounds of what is below a node, shape (2 leaves, 6): of positions, and of directions from its apex."""
     apexes: Whole
     """Crowded corner that all triangles below a node share, shape (2 leaves,); -1 without any."""
 
 
 class Scratch(NamedTuple):
-    """Work space of a search."""
+    """Arrays that the kernels of a search overwrite."""
 
     stack: Whole
     seen: Array
@@ -120,7 +120,7 @@ def _crowded_corners(triangles: Whole) -> Whole:
 
 
 def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
-    """Return the places of triangles' middles along the Morton curve, shape (k,)."""
+    """Return the positions of triangles' middles along the Morton curve, shape (k,)."""
     first, second, third = vertices.T[:, triangles.T].transpose(1, 0, 2)
     middles = first + second + third  # an axis a row
     low = middles.min(axis=1, keepdims=True)
@@ -142,7 +142,7 @@ def _build_tree(shapes, leaves, scratch):
         node, apex = leaves + number // LEAF_SIZE, shapes.apexes[number]
         apexes[node] = apex if apexes[node] == -2 or apexes[node] == apex else -1
         if apex >= 0:
-            _bound_directions(shapes, number, apex, scratch, True)
+            _bound_directions(shapes, number, apex, scratch, True)  # reset the bounds
         for axis in range(3):
             lows[node, axis] = min(lows[node, axis], shapes.low[number, axis])
             highs[node, axis] = max(highs[node, axis], shapes.high[number, axis])

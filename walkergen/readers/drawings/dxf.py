@@ -165,13 +165,13 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         curve for curve in sampled if not np.ptp(curve, axis=0).max() <= MAX_END_GAP * size
     ]  # NaN is reported below
     curves, doubles = _remove_duplicates(visible, MAX_END_GAP * size)
-    contours, closed = _close_contours(curves, size, source)
-    contours, frames = _remove_frames([scale * contour for contour in contours])
+    contours, gap_notes = _close_contours(curves, size, source)
+    contours, frame_notes = _remove_frames([scale * contour for contour in contours])
     if doubles:
         notes.append(f"left out {formatting.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
     if (width := max(map(_polyline_width, entities))) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {width * scale:.3g} mm: their middle is the outline")
-    return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))
+    return Drawing([Shape(contours, nonzero=False)], (*notes, *gap_notes, *frame_notes))
 
 
 def _check_ellipse_ratios(data: bytes, source: str) -> None:
@@ -191,13 +191,16 @@ def _polyline_width(entity: Any) -> float:
 
 
 def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
-    """Return the curves that do not repeat an earlier one in either direction, and the number of those that do."""
+    """Return the curves without repetitions, in either direction, and the number of these.
+
+    Curves are equal if their ends and middles are in the same cells of a grid of 10 `gap`.
+    """
     kept: dict[tuple[tuple[float, ...], ...], Array] = {}
     for curve in curves:
         is_closed = is_within_gap(curve[0], curve[-1], gap)
         ends = [curve.min(axis=0), curve.max(axis=0)] if is_closed else sorted([curve[0], curve[-1]], key=tuple)
         middle = curve[:-1].mean(axis=0) if is_closed else curve.mean(axis=0)
-        key = tuple(tuple(np.round(place / (10.0 * gap)).tolist()) for place in (*ends, middle))
+        key = tuple(tuple(np.round(point / (10.0 * gap)).tolist()) for point in (*ends, middle))
         kept.setdefault(key, curve)
     return list(kept.values()), len(curves) - len(kept)
 
@@ -205,7 +208,7 @@ def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array]
 def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
     """Drop the frame of a sheet of paper around all contours, and the border in it. Return the others and notes."""
     notes: list[str] = []
-    sheet = np.full(2, np.inf)
+    sheet = np.full(2, np.inf)  # width and height of the frame found last
     while (index := _find_frame(contours)) is not None:
         size = np.ptp(contours[index], axis=0)
         is_paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_TOLERANCE_MM for sides in PAPER_SIZES_MM)

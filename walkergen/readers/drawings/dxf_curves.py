@@ -70,12 +70,12 @@ def _is_unclamped(spline: Any) -> bool:
 
 
 def _sample_curve(curve: Any, knots: Array, tolerance: float) -> list[Any]:
-    """Return points of a curve, a function of its parameter, over its knots. A fourth coordinate is a weight."""
+    """Return points of a curve, a function of its parameter, over all its knots. A fourth coordinate is a weight."""
     spans = [flatten(partial(_evaluate_span, curve, low, high), tolerance) for low, high in itertools.pairwise(knots)]
     return [*(point for span in spans for point in span[:-1]), spans[-1][-1]]
 
 
-def _evaluate_span(curve: Any, low: float, high: float, at: Array) -> Array:
-    """Return points of a curve between two knots, at shares `at` (0 to 1) of the way, shape (n, 3)."""
-    points = np.asarray(curve(low + at * (high - low)))
+def _evaluate_span(curve: Any, low: float, high: float, shares: Array) -> Array:
+    """Return points of a curve between two knots, at `shares` (0 to 1) of the way, shape (n, 3)."""
+    points = np.asarray(curve(low + shares * (high - low)))
     return points[..., :3] / points[..., 3:] if points.shape[-1] == 4 else points

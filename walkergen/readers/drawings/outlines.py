@@ -46,7 +46,7 @@ class OverlapError(GeometryError):
 
 
 def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
-    """Return the outline of a disc of this diameter, mm, like an ellipse's. Raises GeometryError."""
+    """Return the outline of a disc of this diameter, mm, as `ellipse` does. Raises GeometryError."""
     return ellipse(diameter, diameter, source)
 
 
@@ -63,7 +63,7 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
     left = quarter[-2:0:-1] * np.array([-1.0, 1.0])
     upper = np.vstack([quarter, left])
     axes = 0.5 * np.array([length, depth])
-    return from_shapes([Shape([np.vstack([upper, -upper]) * axes], False)], f"{source} = {length:g}")
+    return from_shapes([Shape([np.vstack([upper, -upper]) * axes], nonzero=False)], f"{source} = {length:g}")
 
 
 def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
@@ -86,7 +86,7 @@ def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.poi
             f"{where}: {_format_point(twice)} is given twice. Remove one (the last point is joined "
             "to the first automatically)."
         )
-    return from_shapes([Shape([corners], False)], where)
+    return from_shapes([Shape([corners], nonzero=False)], where)
 
 
 class Outline(NamedTuple):

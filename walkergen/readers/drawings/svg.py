@@ -209,7 +209,7 @@ def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
     page = [_length_mm(root.attrib.get("width", "")), _length_mm(root.attrib.get("height", ""))]
     for index, (key, length) in enumerate(zip(("height", "width"), page, strict=True)):
         has_ratio = page[1 - index] is None and root.attrib.get(key, "auto") == "auto" and "viewBox" in root.attrib
-        if length is not None and has_ratio:  # of a page with one side the other is by its viewBox
+        if length is not None and has_ratio:  # the ratio of the viewBox gives the other side
             box = parse_view_box(root.attrib["viewBox"], source)
             page[1 - index] = length * box[3 - index] / box[2 + index]
     if page[0] is None or page[1] is None:
@@ -334,9 +334,9 @@ def _subpath_points(subpath: Any, tolerance: float) -> Array:
     return _to_array(points)
 
 
-def _evaluate_segment(segment: Any, at: Array) -> Array:
-    """Return points of a segment of svgelements at parameters `at` (0 to 1), shape (n, 2)."""
-    return _to_array(segment.npoint(at))
+def _evaluate_segment(segment: Any, parameters: Array) -> Array:
+    """Return points of a segment of svgelements at parameters of 0 to 1, shape (n, 2)."""
+    return _to_array(segment.npoint(parameters))
 
 
 def _to_array(points: Any) -> Array:

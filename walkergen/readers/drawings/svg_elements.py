@@ -84,7 +84,11 @@ class Context(NamedTuple):
 
 
 class Tree:
-    """Drawing whose elements are walked. It counts them, and the invisible ones."""
+    """Drawing whose elements are walked.
+
+    `count` is the number of its elements so far, `unseen` of hidden shapes and `filtered` of filters. `targets` are
+    elements by id. `rem` is the font size of the page.
+    """
 
     def __init__(self, root: ET.Element, source: str) -> None:
         self.root, self.source = root, source
@@ -175,7 +179,7 @@ class Tree:
         if element_name(element) == "line":
             filled = None
         if context.cutting:
-            filled, lined = svg_paints.Paint(True, False), None
+            filled, lined = svg_paints.Paint(shows=True, white=False), None
         paints = [paint for paint in (filled, lined) if paint]
         if style.get("visibility", "visible") != "visible" or not paints:
             self.unseen += 1
@@ -205,7 +209,7 @@ class Tree:
         spans = {"x": wide, "cx": wide, "width": wide, "rx": wide, "x1": wide, "x2": wide, "r": across}
 
         def length(key: str) -> float:
-            """Return the length in an attribute, in the drawing's units."""
+            """Return the length in attribute `key`, in the element's units."""
             return self._parse_length(element, key, context, spans.get(key, high))
 
         if name == "line":
@@ -238,7 +242,7 @@ class Tree:
     def _parse_length(
         self, element: ET.Element, key: str, context: Context, whole: float, otherwise: float = 0.0
     ) -> float:
-        """Return the length in an attribute, in the drawing's units, or else `otherwise`. Percents are of `whole`."""
+        """Return the length in attribute `key`, in the element's units, or `otherwise`. Percents are of `whole`."""
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
@@ -273,6 +277,7 @@ class Tree:
             low, size = (x0, y0), (x1 - x0, y1 - y0)
         words = {"left": "0%", "right": "100%", "top": "0%", "bottom": "100%", "center": "50%"}
         parts = text.split()
+        # Words may be in either order: put the horizontal one first
         if parts[0] in ("top", "bottom") or parts[1:2] in (["left"], ["right"]):
             parts[:2] = [*parts[1:2], "center"][:1] + parts[:1]
         axes = [words.get(part, part) for part in (*parts[:2], "center")][:2]
@@ -332,7 +337,7 @@ class Tree:
                 if width > 0 and height > 0
                 else svgelements.Path()
             )
-            clips = (*clips, Clip((VisibleShape(edge, context.matrix, True, False, 0.0, ()),)))
+            clips = (*clips, Clip((VisibleShape(edge, context.matrix, nonzero=True, white=False, line=0.0, clips=()),)))
         context = context._replace(matrix=compose(context.matrix, inner), view=view, clips=clips)
         for child in element:
             if isinstance(child.tag, str):

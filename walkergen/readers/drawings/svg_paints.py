@@ -32,7 +32,7 @@ class Paint(NamedTuple):
     white: bool
 
 
-INVISIBLE = Paint(False, False)
+INVISIBLE = Paint(shows=False, white=False)
 
 
 def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
@@ -42,7 +42,7 @@ def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
         return INVISIBLE
     if link := URL_PATTERN.match(text):
         if link[1] in targets:
-            return Paint(_is_server_visible(targets[link[1]], targets), False)
+            return Paint(_is_server_visible(targets[link[1]], targets), white=False)
         text = text[link.end() :] or "none"  # what the file does not hold gives way to the colour after it
     return _parse_colour(text, style.get("color", BLACK))
 
@@ -53,7 +53,7 @@ def _parse_colour(text: str, current: str) -> Paint:
         return INVISIBLE
     colour = tinycss2.color4.parse_color(current if text.lower() == "currentcolor" else text)
     if colour in (None, "currentcolor"):
-        return Paint(True, False)
+        return Paint(shows=True, white=False)
     light = colour.to("srgb").coordinates if colour.space in ("srgb", "hsl", "hwb") else (0.0,)
     return Paint(colour.alpha > 0.0, min(light) >= MIN_WHITE)
 

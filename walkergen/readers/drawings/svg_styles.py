@@ -78,6 +78,9 @@ IGNORED_MEDIA = re.compile(
 )
 """Media whose rules do not count: paper, voices, screens in the dark."""
 
+SKIPPED: dict[str, bool] = {"skip_comments": True, "skip_whitespace": True}
+"""Arguments of tinycss2's parsers."""
+
 IGNORED_AT_RULES = ("charset", "counter-style", "font-face", "keyframes", "namespace", "page", "property")
 """At-rules that neither hide nor move an element."""
 
@@ -92,14 +95,14 @@ def apply_styles(root: ET.Element, source: str) -> None:
             and css
             and _is_screen_media(element.attrib.get("media", ""), source)
         ):
-            _add_rules(matcher, tinycss2.parse_stylesheet(element.text or "", True, True), {}, source)
+            _add_rules(matcher, tinycss2.parse_stylesheet(element.text or "", **SKIPPED), {}, source)
     custom: dict[ET.Element | None, dict[str, str]] = {None: {}}
     for node in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
         element = node.etree_element
         matches = sorted(matcher.match(node), key=lambda match: match[:2])
         declarations = [pair for *_, pairs in matches for pair in pairs]
         declarations += _parse_declarations(
-            tinycss2.parse_declaration_list(element.attrib.get("style", ""), True, True), source
+            tinycss2.parse_declaration_list(element.attrib.get("style", ""), **SKIPPED), source
         )
         # what is important comes last, and so holds
         values = {key: value for key, value, _ in sorted(declarations, key=lambda each: each[2])}
@@ -111,7 +114,7 @@ def apply_styles(root: ET.Element, source: str) -> None:
 
 
 def _resolve_value(attributes: dict[str, str], key: str, custom: Mapping[str, str]) -> None:
-    """Replace a custom property by its value, and a keyword such as "initial" by the initial value."""
+    """Replace attribute `key` in place: custom properties by their values, "initial" by the initial value."""
     text = attributes[key]
     if "var(" in text:
         attributes[key] = text = _substitute_variables(text, custom)
@@ -138,13 +141,13 @@ def _substitute_variables(text: str, custom: Mapping[str, str], depth: int = 0) 
 
 
 def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str], source: str) -> None:
-    """Add the rules of a style sheet that apply on a screen to a matcher. `spaces` are namespaces by prefix."""
+    """Add a sheet's rules for screens to a matcher. `spaces` are namespaces by prefix: @namespace rules add to them."""
     for rule in rules:
         if rule.type == "at-rule":
             _add_at_rule(matcher, rule, spaces, source)
         if rule.type != "qualified-rule":
             continue
-        inside = tinycss2.parse_blocks_contents(rule.content, True, True)
+        inside = tinycss2.parse_blocks_contents(rule.content, **SKIPPED)
         if any(each.type == "qualified-rule" for each in inside):
             raise _unsupported_error("rules within rules", source)
         pairs = list(_parse_declarations(inside, source))
@@ -167,7 +170,7 @@ def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source:
         spaces[names[0] if len(names) > 1 else None] = names[-1] if names else ""
     elif rule.content is not None and word == "media":
         if _is_screen_media(tinycss2.serialize(rule.prelude), source):
-            _add_rules(matcher, tinycss2.parse_rule_list(rule.content, True, True), spaces, source)
+            _add_rules(matcher, tinycss2.parse_rule_list(rule.content, **SKIPPED), spaces, source)
     elif rule.content is not None and word not in IGNORED_AT_RULES:
         raise _unsupported_error(f"@{word[:20]}", source)
 

@@ -26,7 +26,7 @@ MIN_VOLUME_RATIO = 1e-9
 
 
 class Edges(NamedTuple):
-    """Edges of a surface, sorted by the kind of their fault; shape (n, 2) each, vertices."""
+    """Edges of a surface, sorted by the kind of their fault: indices of their two vertices, shape (n, 2) each."""
 
     open: Whole
     """Edges of one triangle only."""

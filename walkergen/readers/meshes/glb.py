@@ -1,4 +1,4 @@
-"""GLB files: what they promise to hold, and what of them is more than plain meshes."""
+"""GLB files: the number of their triangles before they are read, and a check for features that are not supported."""
 
 import json
 from typing import Any
@@ -30,7 +30,7 @@ def check(data: bytes, source: str) -> None:
             if name in [*tree.get("extensionsUsed", ()), *tree.get("extensionsRequired", ())]
         ]
         has_skeleton = any("skin" in node for node in tree.get("nodes", ()))
-        has_weights = any(any(one.get("weights", ())) for one in [*tree.get("nodes", ()), *tree.get("meshes", ())])
+        has_weights = any(any(part.get("weights", ())) for part in [*tree.get("nodes", ()), *tree.get("meshes", ())])
     except PARSE_ERRORS:
         return  # its reader reports the error
     for found, what in (
@@ -43,13 +43,14 @@ def check(data: bytes, source: str) -> None:
 
 
 def triangle_count(data: bytes) -> int:
-    """Count the triangles of all nodes of a GLB by the counts of its arrays, or return 0 if they are not readable.
+    """Count the triangles of a GLB before it is read, as its JSON states them, or return 0 if that is not readable.
 
-    Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
+    The result is at least a third of the largest array's length, even if no mesh uses that array. A few bytes can
+    declare a huge array of zeros, which a reader would create.
     """
 
     def count_triangles(primitive: dict[str, Any]) -> int:
-        """Return the number of triangles of a primitive, from the count of its corners."""
+        """Return the number of triangles of a primitive from the length of its array of corners, in `counts`."""
         count: int = counts[primitive["indices"] if "indices" in primitive else primitive["attributes"]["POSITION"]]
         return count if primitive.get("mode") == TRIANGLE_STRIP_MODE else count // 3
 

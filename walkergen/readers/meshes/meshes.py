@@ -131,7 +131,8 @@ def _printable_parts(parts: list[Part], source: str) -> list[Part]:
             faults.check_solid(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
         if not item_parts:
             continue
-        solid = modeller.to_solid(Mesh(*join_parts(tuple(item_parts))[1:3]))
+        joined = join_parts(tuple(item_parts))
+        solid = modeller.to_solid(Mesh(joined.vertices, joined.triangles))
         for part in negative_parts:
             solid = modeller.check_solid(solid - modeller.to_solid(Mesh(part.vertices, part.triangles)))
         mesh = modeller.to_mesh(solid)

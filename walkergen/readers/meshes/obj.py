@@ -23,13 +23,13 @@ def triangulate_faces(data: bytes, source: str) -> bytes:
     if not UNSUPPORTED_PATTERN.search(data) and not any(words[:1] == ["f"] and len(words) > 4 for words in lines):
         return data
     corners: list[list[float]] = []
-    cut: list[str] = []
+    new_lines: list[str] = []
     for words in lines:
         if words[:1] == ["v"]:
             corners.append([_parse_number(word) for word in words[1:4]])
-            cut.append(" ".join(words[:4]))
+            new_lines.append(" ".join(words[:4]))
         elif words[:1] != ["f"]:
-            cut.append("" if words[:1] in (["vt"], ["vn"], ["vp"]) else " ".join(words))
+            new_lines.append("" if words[:1] in (["vt"], ["vn"], ["vp"]) else " ".join(words))
         else:
             # a number from the end counts from the corners so far, as from the start it counts from all
             indices = [int(word.partition("/")[0]) for word in words[1:]]
@@ -37,10 +37,10 @@ def triangulate_faces(data: bytes, source: str) -> bytes:
             if not all(0 <= index < len(corners) for index in indices):
                 raise InputError(f"{source}: a face has a corner that does not exist. Export the file again.")
             triangles = (
-                [(0, 1, 2)] if len(indices) == 3 else _triangulate_polygon(np.array([corners[at] for at in indices]))
+                [(0, 1, 2)] if len(indices) == 3 else _triangulate_polygon(np.array([corners[i] for i in indices]))
             )
-            cut += ["f " + " ".join(str(indices[at] + 1) for at in triangle) for triangle in triangles]
-    return "\n".join(cut).encode()
+            new_lines += ["f " + " ".join(str(indices[corner] + 1) for corner in triangle) for triangle in triangles]
+    return "\n".join(new_lines).encode()
 
 
 def _parse_number(word: str) -> float:
@@ -58,7 +58,7 @@ def _triangulate_polygon(corners: Array) -> Sequence[Sequence[int]]:
     turns = np.cross(following - corners, np.roll(corners, -2, axis=0) - following) @ normal
     count = len(corners)
     if not np.isfinite(turns).all() or (turns >= 0.0).all():
-        return [(0, at, at + 1) for at in range(1, count - 1)]
+        return [(0, corner, corner + 1) for corner in range(1, count - 1)]
     import manifold3d
 
     _, _, axes = np.linalg.svd(corners - corners.mean(axis=0))

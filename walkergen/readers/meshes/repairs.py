@@ -65,7 +65,7 @@ def _merge_vertices(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def merge_rim_vertices(mesh: Mesh, max_distance: float) -> tuple[Mesh, int]:
-    """Merge vertices along open edges that are within a distance, and return how many were merged too."""
+    """Merge vertices along open edges that are within a distance, mm. Return the mesh and the number of merged ones."""
     from scipy.sparse import coo_matrix, csgraph
     from scipy.spatial import KDTree
 
@@ -91,11 +91,11 @@ def _drop_duplicates(mesh: Mesh) -> tuple[Mesh, str]:
     corners = np.sort(triangles, axis=1)
     start = np.argmin(triangles, axis=1)
     following = triangles[np.arange(len(triangles)), (start + 1) % 3]
-    turned = np.where(following == corners[:, 1], 1, -1)
+    turned = np.where(following == corners[:, 1], 1, -1)  # 1 or -1: sense of rotation of a triangle
     _, first, index = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     index = index.reshape(-1)
     net = np.bincount(index, weights=turned, minlength=len(first)).astype(np.int64)
-    # The first of each group that is turned as most of the group are
+    # Of triangles with equal corners, the first that is turned as most of them are
     candidates = np.flatnonzero(turned * np.sign(net)[index] > 0)
     keep = np.sort(candidates[np.unique(index[candidates], return_index=True)[1]])
     flat, doubled = int((~real).sum()), len(triangles) - len(keep)

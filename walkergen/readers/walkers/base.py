@@ -28,7 +28,10 @@ for legs whose feet are as far apart as `placing` requires."""
 
 
 def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
-    """Return the contour of a plate under an outline, and a mesh, from z = 0, of the plate and the extruded outline."""
+    """Return the contour of a plate under an outline, in a list, and a mesh of the plate and the extruded outline.
+
+    `thickness` is that of the whole mesh, mm, from z = 0. The middle of the contour's box is the origin of both.
+    """
     import shapely
 
     (contour,) = overlaps.contours(_plate_region(shapely.union_all(overlaps.pieces(outline)), thickness))

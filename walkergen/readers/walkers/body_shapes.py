@@ -1,4 +1,4 @@
-"""Forming: from what people write of a body to its shape, its files read, mended and checked once."""
+"""Shapes of bodies from their keys. Files of bodies are read, mended and checked, once each."""
 
 import hashlib
 from collections.abc import Sequence
@@ -26,6 +26,7 @@ class Plan(NamedTuple):
     """Outline seen from above."""
 
     contours: list[Array]
+    """Outer contours and holes, shape (n, 2) each, mm."""
     notes: tuple[str, ...]
     pieces: int
     """Number of pieces, apart from each other."""
@@ -81,11 +82,12 @@ def _mesh_shape(body: Body) -> Shape:
         body.scale_mm, body.given_length_mm, body.up, body.forward, body.repair, body.base, body.mirror
     )
     body_file = body_mesh.read_body(Path(body.mesh), options)
+    mesh, finished, no_plan = body_file.mesh, None, ()
     if body.legs_below_mm is not None:
-        cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(body_file.mesh, body.legs_below_mm))
+        cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(mesh, body.legs_below_mm))
+        mesh = cut.body
         finished = FinishedWalker(cut.whole, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
-        return Shape(_mesh_size(cut.body), None, (), cut.body, body_file.sha256, body_file.changes, finished)
-    return Shape(_mesh_size(body_file.mesh), None, (), body_file.mesh, body_file.sha256, body_file.changes)
+    return Shape(_mesh_size(mesh), None, no_plan, mesh, body_file.sha256, body_file.changes, finished)
 
 
 def _mesh_size(mesh: Mesh) -> Size:
@@ -114,7 +116,8 @@ def _text_plan(body: Body) -> Plan:
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm
     if body.given_length_mm is not None:
-        height = body.given_length_mm / float(np.ptp(np.vstack(text_outline(body.text, 1.0, False, font=font))[:, 0]))
+        contours = text_outline(body.text, 1.0, connected=False, font=font)
+        height = body.given_length_mm / float(np.ptp(np.vstack(contours)[:, 0]))
     outline = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
     return Plan(outline, (), len(overlaps.pieces(outline)))
 

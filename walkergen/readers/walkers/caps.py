@@ -62,12 +62,12 @@ def symmetric_numbers() -> set[int]:
 
 
 def black_rectangles(cap: Cap, overlap: float = 0.0) -> list[Array]:
-    """Return the rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
+    """Return the rectangles whose union is the black of a cap: corners counter-clockwise, shape (4, 2) each, mm.
 
     Cells of the code are larger on all sides by `overlap`, a share of a cell.
     """
     half, inner = 0.5 * MARKER_CELLS, 0.5 * CODE_CELLS
-    frame = [
+    boxes = [  # least x, least y, greatest x, greatest y, in cells: the black frame first
         (-half, inner, half, half),
         (-half, -half, half, -inner),
         (-half, -half, -inner, half),
@@ -75,10 +75,10 @@ def black_rectangles(cap: Cap, overlap: float = 0.0) -> list[Array]:
     ]
     for row, column in np.argwhere(~white_cells(cap.number)[BORDER_CELLS:-BORDER_CELLS, BORDER_CELLS:-BORDER_CELLS]):
         x, y = inner - row, inner - column  # the upper left corner of a cell seen from above
-        frame.append((x - 1.0 - overlap, y - 1.0 - overlap, x + overlap, y + overlap))
+        boxes.append((x - 1.0 - overlap, y - 1.0 - overlap, x + overlap, y + overlap))
     return [
         cap.cell * np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
-        for low_x, low_y, high_x, high_y in frame
+        for low_x, low_y, high_x, high_y in boxes
     ]
 
 
@@ -95,8 +95,8 @@ def build_tile(cap: Cap) -> Mesh:
     """Build the closed mesh of a tile as it prints, face up. Raises SolidError."""
     cells = Engraving(black_rectangles(cap, OVERLAP_CELLS), cap.relief_mm)
     if cap.kind == "engraved":
-        return extrude([tile_outline(cap)], cap.thickness, 0, cells)
-    tile = extrude([tile_outline(cap)], cap.thickness, 0)
+        return extrude([tile_outline(cap)], cap.thickness, windows=0, engraving=cells)
+    tile = extrude([tile_outline(cap)], cap.thickness, windows=0)
     if cap.kind == "paper":
         return tile
     raised = extrude(cells.profiles, cap.thickness + cap.relief_mm, pieces=True)

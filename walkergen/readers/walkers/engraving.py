@@ -14,7 +14,7 @@ from walkergen.readers.walkers import marks
 
 
 def add_notches(design: Design, corners: Polygon) -> Polygon:
-    """Return a rectangle's profile, shape (n, 2), with notches in its upper edge. `corners` begin at the lower left."""
+    """Return a rectangle's profile with notches in its upper edge. Points are counter-clockwise from the lower left."""
     length, thickness = design.size.length, design.size.thickness
     y = 0.5 * thickness
     edge = [
@@ -26,7 +26,7 @@ def add_notches(design: Design, corners: Polygon) -> Polygon:
 
 
 def engraved_profiles(design: Design) -> list[Polygon]:
-    """Return the pockets in the side of a body, about its middle: its digits or its text."""
+    """Return the outlines of the digits or the text to engrave into a body's side, mm from the body's middle."""
     if design.letters:
         return _text_polygons(design, design.size.length, design.size.thickness)
     strokes = marks.digit_strokes(design.marks, design.tilt_deg, design.size.thickness)
@@ -53,7 +53,7 @@ def cut_letters(body: Mesh, design: Design) -> Mesh:
 def _text_polygons(design: Design, length: float, height: float) -> list[Polygon]:
     """Return the outlines of the marks' text, which fits a face of this length and height, mm. Raises GeometryError."""
     mark, source = design.marks, _mark_key(design)
-    polygons = text_outline(design.letters, mark.text_height_mm or 0.5 * height, False, source)
+    polygons = text_outline(design.letters, mark.text_height_mm or 0.5 * height, connected=False, source=source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
     high = np.max([polygon.max(axis=0) for polygon in polygons], axis=0)
     wide, tall = high - low

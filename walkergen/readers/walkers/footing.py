@@ -92,9 +92,10 @@ def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
 
 
 def _clip_polygons(polygons: Array, axis: int, limit: float, side: float = 1.0) -> Array:
-    """Cut off the parts of convex polygons, shape (k, n, 3), where `side` times a coordinate exceeds `limit`.
+    """Cut off the parts of convex polygons, shape (k, n, 3), where `side` times coordinate `axis` exceeds `limit`.
 
-    `side` is 1 or -1. The first point of a polygon is repeated to fill its row. Source: Sutherland and Hodgman (1974).
+    `side` is 1 or -1. Polygons that vanish are dropped, and others may get more points. The first point is repeated to
+    fill the rows of the result. Source: Sutherland and Hodgman (1974).
     """
     distance = limit - side * polygons[:, :, axis]
     inside, following_distance = distance >= 0.0, np.roll(distance, -1, axis=1)
@@ -133,7 +134,7 @@ def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
 
 
 def _is_near_line(mesh: Mesh, start: Array, directions: Array, half: Array) -> Mask:
-    """Return a mask of triangles with a box within `half`, shape (k,), mm, of `start` along k `directions`."""
+    """Return a mask of the triangles within `half`, shape (k,), mm, of a point along all of k unit `directions`."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     is_near = np.ones(len(mesh.triangles), bool)
     for side, limit in zip(directions, half + slack, strict=True):

@@ -60,7 +60,7 @@ def _extend_leg(body: joining.Body, limb: Limb, number: int) -> Limb:
     length = float(np.linalg.norm(footing.anchor - end))
     depth_inside = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
     extended = limb._replace(length=length, bottom=float(footing.anchor[1]))
-    # Beyond its anchor a leg goes straight up, as its struts do
+    # Beyond its anchor a leg goes straight up, as its struts do: offset from the anchor and thickness of each, mm
     upright = [(0.0, 2.0 * extended.half_width)] if sin else []
     upright += [(strut.offset, strut.thickness) for strut in section_of(extended).struts(extended)]
     thickness_above = math.inf if sin else footing.above - length

@@ -55,12 +55,12 @@ class CutWalker(NamedTuple):
 
     body: Mesh
     legs: tuple[CutLeg, ...]
-    """Legs from back to front, those at one place from z = 0 on."""
+    """Legs from back to front. Legs side by side are in the order of their z."""
     whole: Mesh
     """Walker before the cut."""
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
-        """Return its legs with all their numbers. Raises GeometryError for flexible legs with a brace."""
+        """Return its legs with all their numbers. `depth` is that of the body, mm. Raises GeometryError."""
         return tuple(_to_limb(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
 
 
@@ -107,7 +107,7 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
 
 
 def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
-    """Return a leg of a finished walker with all its numbers. Its foot counts as flat.
+    """Return a leg of a finished walker, whose body is `depth` mm deep, with all its numbers. Its foot counts as flat.
 
     Raises GeometryError for a leg with a brace that is declared flexible.
     """
@@ -128,15 +128,15 @@ def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
         float(leg.foot[0]),
         leg.z - 0.5 * depth,
         leg.width,
-        float(leg.anchor[1]),
-        0.0,
-        None,
-        None,
+        bottom=float(leg.anchor[1]),
+        embedding=0.0,
+        friction=None,
+        restitution=None,
     )
 
 
 def _measure_leg(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
-    """Measure the leg that is a piece below the cut at `height`, mm. Raises GeometryError if it ends below the cut."""
+    """Measure the leg that is a piece below the cut at `height`, mm. Raises GeometryError, beginning with `source`."""
     mesh = modeller.to_mesh(piece)
     struts = _find_struts(mesh, height)
     if not struts:

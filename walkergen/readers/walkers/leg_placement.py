@@ -67,6 +67,7 @@ class LegSpace(NamedTuple):
     """Room for legs under a body, seen from above, (along, across), mm."""
 
     ground: "BaseGeometry"
+    """Area of the body."""
     free: "BaseGeometry"
     """Area that legs of the least width may cover."""
     centre: tuple[float, float]
@@ -97,7 +98,7 @@ class Placement(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def find_placement(body_key: str, legs_key: str) -> Placement:
-    """Find legs for a body, both given as JSON. Tilt and length stay. Raises UnplacedError if none stand."""
+    """Find positions and widths of legs under a body, both given as JSON. Raises UnplacedError if no legs stand."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     try:
         return _place_legs(body, legs)
@@ -158,6 +159,7 @@ def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
     sizes = [float(math.ceil(factor * length)) for factor in LENGTH_FACTORS] if body.scales_with_length else []
+    # Kinds of changes in the order of preference: descriptions, and new values of the body's keys
     kinds_of_changes: list[list[tuple[str, dict[str, Any]]]] = [
         [("read it in inches", {"scale_mm": INCH_MM})] if _is_tiny(body) else [],
         [("lay it down", axes) for axes in _other_orientations(body)],
@@ -165,8 +167,8 @@ def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
         [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < MAX_LENGTH_MM],
     ]
     remedies = []
-    for tries in kinds_of_changes:
-        helpful = ((words, keys) for words, keys in tries if _can_stand(body.with_keys(**keys), legs))
+    for changes in kinds_of_changes:
+        helpful = ((words, keys) for words, keys in changes if _can_stand(body.with_keys(**keys), legs))
         remedies += [Remedy(words, {f"body.{key}": keys[key] for key in keys}) for words, keys in islice(helpful, 1)]
     lengths = (float(f"{share * legs.length_mm:.3g}") for share in LEG_LENGTH_FACTORS)
     shorter = (mm for mm in lengths if _can_stand(body, legs.model_copy(update={"length_mm": mm})))

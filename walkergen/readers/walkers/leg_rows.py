@@ -63,9 +63,9 @@ class Row(NamedTuple):
     """Legs side by side."""
 
     along: float
-    """Place of their feet along the run, mm."""
+    """Position of their feet along the run, mm."""
     legs: tuple[tuple[float, float], ...]
-    """Place across and width of each, mm, in the order of their places."""
+    """Position across and width of each leg, mm, in the order of their positions."""
 
     @property
     def width(self) -> float:
@@ -94,7 +94,7 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
     for share in MIDDLE_SHIFTS:
         middles = centre[0] + share * spans
         backs, fronts = (_widest_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
-        costs = {}
+        costs = {}  # pairs of rows by their cost: an unusual distance of the feet, narrow rows
         for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
             if back is not None and front is not None:
                 narrowness = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
@@ -109,7 +109,7 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
 
 
 def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
-    """Return two outer rows, with rows between them if they are far apart and the area `inner` allows it."""
+    """Return two outer rows, with rows between them if they are far apart. Arguments as for `_widest_rows`."""
     back, front = outer
     number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
     positions = np.linspace(back.along, front.along, number + 1)[1:-1]
@@ -141,7 +141,10 @@ def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]
 
 
 def covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
-    """Return, for each strip from `backs` to `fronts` along the run, the intervals across that lie inside an area."""
+    """Return the intervals (low, high) across the run, mm, in which each of n strips lies wholly inside an area.
+
+    The strips run across. `backs` and `fronts`, shape (n,), mm, are their limits along the run.
+    """
     import shapely
 
     if inner.is_empty:
@@ -168,7 +171,7 @@ def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: fl
 
 
 def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
-    """Make two rows of one leg each, at one place across, as wide as the narrower. Return other rows unchanged."""
+    """Make two rows of one leg each, at one position across, as wide as the narrower. Return other rows unchanged."""
     if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
         return back, front
     leg = front.legs[0][0], min(back.width, front.width)

@@ -9,6 +9,8 @@ has to be guessed from an empty stretch, as where a missing notch means 0; and t
 depends on the number, as it would with a tally. The start notch, wider than both, is the
 frontmost: notches are read from there towards the back, highest place first, with the legs down; a
 part seen from its other side has its start on the left and is not misread.
+
+In all functions `tilts_deg` are the tilts of the family, and `tilt_deg` is the tilt of the part.
 """
 
 from collections.abc import Sequence

@@ -101,7 +101,7 @@ def _rotate(points: Array, lean: float) -> Array:
 
 
 def _foot_position(limb: Limb, lean: float) -> Array:
-    """Return the place at which a leg of a leaning walker touches the plate, shape (2,), mm."""
+    """Return the point at which a leg touches the plate if the walker leans by `lean` rad, shape (2,), mm."""
     turned = limb._replace(tilt=limb.tilt - lean)
     return _rotate(np.array(limb.anchor), lean) + turned.anchor_to_foot
 

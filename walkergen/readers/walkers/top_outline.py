@@ -63,7 +63,7 @@ def _simplify_ring(ring: Array) -> Array:
 
 
 def _thin_evenly(ring: Array) -> Array:
-    """Return every k-th point of a round contour, which stays its own mirror image."""
+    """Return every k-th point of a round contour, for the largest k allowed. It stays its own mirror image."""
     half = len(ring) // 2
     for step in range(half // 2, 1, -1):
         if half % step == 0 and _thinning_error(ring, step) <= MAX_DEVIATION_MM:
