@@ -84,13 +84,13 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
     meshes = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
     named: list[_Named] = []
     for number, (item, name) in enumerate(zip(items, part_numbers, strict=True)):
-        built_of, solid_name = meshes[item.solid], _xml_safe(solids[item.solid].name)
+        shown_object, solid_name = meshes[item.solid], _xml_safe(solids[item.solid].name)
         if name != solid_name:
-            mesh, built_of = built_of, _add_copy(model, built_of, name, title, number)
-            ids = built_of.GetModelResourceID(), mesh.GetModelResourceID()
+            mesh, shown_object = shown_object, _add_copy(model, shown_object, name, title, number)
+            ids = shown_object.GetModelResourceID(), mesh.GetModelResourceID()
             named.append(_Named(name, solid_name, *ids))
         transform = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
-        built = model.AddBuildItem(built_of, transform)
+        built = model.AddBuildItem(shown_object, transform)
         built.SetPartNumber(name)
         built.SetUUID(_make_uuid(title, "item", number))
     if thumbnail is not None:

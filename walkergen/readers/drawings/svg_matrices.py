@@ -53,7 +53,7 @@ def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
 
 
 def fit_matrix(box: Sequence[float], width: float, height: float, fit: str) -> Array:
-    """Return the matrix, shape (2, 3), that fits a box (left, top, width, height) into a window. `fit`: preserveAspectRatio."""
+    """Return the matrix that fits a box (left, top, width, height) into a window by `fit`, a preserveAspectRatio."""
     scale = np.array([width / box[2], height / box[3]])
     if "none" not in fit:
         scale[:] = scale.max() if "slice" in fit else scale.min()

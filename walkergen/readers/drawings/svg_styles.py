@@ -78,9 +78,7 @@ IGNORED_MEDIA = re.compile(
 )
 """Media whose rules do not count: paper, voices, screens in the dark."""
 
-SKIPPED: dict[str, bool] = {"skip_comments": True, "skip_whitespace": True}
-"""Arguments of tinycss2's parsers."""
-
+SKIP_OPTIONS: dict[str, bool] = {"skip_comments": True, "skip_whitespace": True}
 IGNORED_AT_RULES = ("charset", "counter-style", "font-face", "keyframes", "namespace", "page", "property")
 """At-rules that neither hide nor move an element."""
 
@@ -95,14 +93,14 @@ def apply_styles(root: ET.Element, source: str) -> None:
             and css
             and _is_screen_media(element.attrib.get("media", ""), source)
         ):
-            _add_rules(matcher, tinycss2.parse_stylesheet(element.text or "", **SKIPPED), {}, source)
+            _add_rules(matcher, tinycss2.parse_stylesheet(element.text or "", **SKIP_OPTIONS), {}, source)
     custom: dict[ET.Element | None, dict[str, str]] = {None: {}}
     for node in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
         element = node.etree_element
         matches = sorted(matcher.match(node), key=lambda match: match[:2])
         declarations = [pair for *_, pairs in matches for pair in pairs]
         declarations += _parse_declarations(
-            tinycss2.parse_declaration_list(element.attrib.get("style", ""), **SKIPPED), source
+            tinycss2.parse_declaration_list(element.attrib.get("style", ""), **SKIP_OPTIONS), source
         )
         # what is important comes last, and so holds
         values = {key: value for key, value, _ in sorted(declarations, key=lambda each: each[2])}
@@ -147,7 +145,7 @@ def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str]
             _add_at_rule(matcher, rule, spaces, source)
         if rule.type != "qualified-rule":
             continue
-        inside = tinycss2.parse_blocks_contents(rule.content, **SKIPPED)
+        inside = tinycss2.parse_blocks_contents(rule.content, **SKIP_OPTIONS)
         if any(each.type == "qualified-rule" for each in inside):
             raise _unsupported_error("rules within rules", source)
         pairs = list(_parse_declarations(inside, source))
@@ -170,7 +168,7 @@ def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source:
         spaces[names[0] if len(names) > 1 else None] = names[-1] if names else ""
     elif rule.content is not None and word == "media":
         if _is_screen_media(tinycss2.serialize(rule.prelude), source):
-            _add_rules(matcher, tinycss2.parse_rule_list(rule.content, **SKIPPED), spaces, source)
+            _add_rules(matcher, tinycss2.parse_rule_list(rule.content, **SKIP_OPTIONS), spaces, source)
     elif rule.content is not None and word not in IGNORED_AT_RULES:
         raise _unsupported_error(f"@{word[:20]}", source)
 

@@ -110,7 +110,7 @@ def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
         return mesh, ""
     triangles_at_rim = mesh.triangles[np.isin(mesh.triangles, rim).any(axis=1)]
     edges_at_rim = {(a, b) for row in triangles_at_rim.tolist() for a, b in zip(row, (*row[1:], row[0]), strict=True)}
-    fans: list[tuple[int, int, int]] = []
+    fans: list[tuple[int, int, int]] = []  # new triangles
     vertices = mesh.vertices
     pairs = set(map(tuple, rim.tolist()))
     for hole in _trace_holes(mesh.vertices, [edge for edge in sorted(edges_at_rim) if (min(edge), max(edge)) in pairs]):

@@ -82,12 +82,13 @@ def _mesh_shape(body: Body) -> Shape:
         body.scale_mm, body.given_length_mm, body.up, body.forward, body.repair, body.base, body.mirror
     )
     body_file = body_mesh.read_body(Path(body.mesh), options)
-    mesh, finished, no_plan = body_file.mesh, None, ()
+    mesh: Mesh = body_file.mesh
+    finished: FinishedWalker | None = None
     if body.legs_below_mm is not None:
         cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(mesh, body.legs_below_mm))
         mesh = cut.body
         finished = FinishedWalker(cut.whole, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
-    return Shape(_mesh_size(mesh), None, no_plan, mesh, body_file.sha256, body_file.changes, finished)
+    return Shape(_mesh_size(mesh), None, (), mesh, body_file.sha256, body_file.changes, finished)
 
 
 def _mesh_size(mesh: Mesh) -> Size:

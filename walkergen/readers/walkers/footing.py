@@ -133,11 +133,11 @@ def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
     return float(distance[hit].min()) if hit.any() else None
 
 
-def _is_near_line(mesh: Mesh, start: Array, directions: Array, half: Array) -> Mask:
-    """Return a mask of the triangles within `half`, shape (k,), mm, of a point along all of k unit `directions`."""
+def _is_near_line(mesh: Mesh, start: Array, directions: Array, distances: Array) -> Mask:
+    """Return a mask of triangles: along each unit direction, their distance from `start` is within `distances`, mm."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     is_near = np.ones(len(mesh.triangles), bool)
-    for side, limit in zip(directions, half + slack, strict=True):
+    for side, limit in zip(directions, distances + slack, strict=True):
         first, second, third = ((mesh.vertices - start) @ side)[mesh.triangles.T]
         is_near &= np.minimum(np.minimum(first, second), third) <= limit
         is_near &= np.maximum(np.maximum(first, second), third) >= -limit
