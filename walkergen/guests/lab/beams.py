@@ -45,7 +45,10 @@ class Strip(NamedTuple):
 def effective_length(
     length: float, strip: Strip, root_factor: float = ROOT_FACTOR, clamp_factor: float = CLAMP_FACTOR
 ) -> float:
-    """Return the length (mm) of a beam on a rigid root that bends as a strip's `length`, corrected by both factors."""
+    """Return the length (mm) of a beam with a rigid root that bends as much as a real strip of this `length` (mm).
+
+    `root_factor`: what a soft root adds, over the thickness. `clamp_factor`: what the clamp takes off, over the width.
+    """
     return length + root_factor * strip.thickness - clamp_factor * strip.width
 
 
@@ -64,7 +67,7 @@ def deflection(load: float, length: float, stiffness: float) -> float:
 
 
 def natural_frequency(stiffness: float, mass: float, length: float, tip_mass: float = 0.0) -> float:
-    """Return the first natural frequency (Hz) of a beam with bending stiffness E I and `tip_mass` (g) on its end."""
+    """Return the first natural frequency (Hz) of a beam of stiffness E I and `mass` (g), with `tip_mass` on its end."""
     mode = first_mode(tip_mass / mass)
     return mode * math.sqrt(stiffness / (mass * length**3)) / (2.0 * math.pi)
 
@@ -82,7 +85,7 @@ def first_mode(mass_ratio: float) -> float:
     """Compute the square of the first root x of the equation below: a cantilever with a mass on its tip.
 
     1 + cos x cosh x + mass_ratio x (cos x sinh x - sin x cosh x) = 0 (Blevins, Formulas for natural frequency and mode
-    shape, 1979, table 8-8). `mass_ratio`: mass on the tip, a point, over the cantilever's own.
+    shape, 1979, table 8-8). `mass_ratio`: mass on the tip over the mass of the cantilever.
     """
     from scipy.optimize import brentq
 
@@ -99,5 +102,5 @@ def first_mode(mass_ratio: float) -> float:
 
 
 def damping_ratio(decrement: float) -> float:
-    """Return the damping ratio of swings with a logarithmic decrement."""
+    """Return the damping ratio of an oscillation with this logarithmic decrement."""
     return decrement / math.hypot(2.0 * math.pi, decrement)

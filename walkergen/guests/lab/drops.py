@@ -1,7 +1,7 @@
 """Simulated drops of a walker on a plate at rest: rebound of the whole structure, as filmed by a phone.
 
 Heights are those of the body's middle above its height at rest. Released from h_1, the walker rises to h_2. The rebound
-is sqrt(h_2 / h_1). For a ball it is the restitution of its contact.
+is sqrt(h_2 / h_1). For a ball it is the restitution of its contact. Drops by hand have a random pitch and roll.
 """
 
 import math
@@ -71,7 +71,7 @@ def still_scene(scene: Scene) -> Scene:
 
 
 def make_plan(scene: Scene, design: Design) -> Plan:
-    """Return a plan to simulate drops on the scene's plate at rest, in finer time steps unless the scene sets them."""
+    """Prepare the simulation of drops on the scene's plate at rest, with a finer time step unless the scene sets it."""
     plan = prepare(still_scene(scene), design, mass_of(design))
     return plan if scene.run.step_us is not None else plan.coarser(STEP_RATIO)
 
@@ -92,7 +92,7 @@ def check_one_material(design: Design) -> None:
 
 
 def simulate_drop(plan: Plan, drop: Drop) -> Rebound:
-    """Simulate the drop of the print with the number `drop.number`, and return its rebound."""
+    """Simulate one drop and return its rebound. `drop.number` seeds the printed walker's random differences."""
     plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, drop.number]))
     rest_height = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
     state = plan.initial_state(drop.height, drop.pitch, 0.0, drop.roll)
@@ -110,7 +110,7 @@ def simulate_drop(plan: Plan, drop: Drop) -> Rebound:
 
 
 def hand_drops(height: float, sd_deg: float, count: int, seed: int) -> list[Drop]:
-    """Draw `count` drops by hand from `height` (mm), each of another print. `sd_deg`: sd of their pitch and roll."""
+    """Draw `count` drops by hand from `height` (mm), each of another printed walker. `sd_deg`: sd of pitch and roll."""
     angles = np.random.default_rng([seed, 0]).normal(0.0, math.radians(sd_deg), (count, 2))
     return [Drop(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(angles)]
 
@@ -133,7 +133,7 @@ def simulate_drops(plan: Plan, hand: Sequence[Drop]) -> Rebounds:
 
 
 def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Drop], progress: Progress) -> list[Rebounds]:
-    """Simulate the drops by hand in `hand`, and a flat drop, with each of RESTITUTIONS as the feet's restitution."""
+    """Return the rebounds at each of RESTITUTIONS of the feet: of the drops by hand in `hand`, and of a flat drop."""
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
@@ -143,8 +143,8 @@ def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Drop], 
 
 
 def rebound_curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
-    """Return the flat (else the mean) rebound over RESTITUTIONS, a row each, or None with fewer than two points."""
-    points = [
+    """Return rebound against RESTITUTIONS: of the flat drop if `flat`, else the mean by hand. None below two points."""
+    points = [  # fields of a Curve
         (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)
         for e, row in zip(RESTITUTIONS, rows, strict=True)
         if (row.flat is not None if flat else row.tries > 1)

@@ -17,14 +17,14 @@ MAX_ERRORS_AWAY = 2.0
 
 
 class Curve(NamedTuple):
-    """Curve from the model's parameter (`at`, ascending) to the measured number."""
+    """Simulated curve: mean `number` that a measurement gives, against the model's `parameter` (n,), ascending."""
 
-    at: Array
-    seen: Array
+    parameter: Array
+    number: Array
     spread: Array
     """Standard deviation of single tries."""
     tries: Array
-    """Number of simulated tries behind each mean in `seen`."""
+    """Number of simulated tries behind each mean in `number`."""
 
 
 class Measured(NamedTuple):
@@ -53,7 +53,7 @@ class Answer(NamedTuple):
     """True if the whole curve agrees, so that the test determines nothing."""
 
     def number(self, key: str) -> Quantity:
-        """Return the value as quantity `key`, with half its range as error, refused unless exactly one range agrees."""
+        """Return the parameter as a quantity called `key`, half its range as error. Refused unless one range agrees."""
         if self.everywhere or len(self.branches) != 1:
             return Quantity(key, "", None, refused=self.text)
         (branch,) = self.branches
@@ -61,26 +61,27 @@ class Answer(NamedTuple):
 
 
 def invert(curve: Curve, measured: Measured, name: str, case: str = "") -> Answer:
-    """Find the ranges of the curve's parameter, called `name`, that explain a number measured in the given `case`.
+    """Find the ranges of the curve's parameter that explain the measured number.
 
     Between its points the curve is cubic and monotone. The number's error and the scatter of real and simulated tries
-    add in quadrature. A range ends at a distance of one error.
+    add in quadrature. A range ends at a distance of one error. For the text: `name` of the parameter, and words on the
+    `case`, such as " at 10 deg".
     """
     from scipy.interpolate import PchipInterpolator
 
     value, sd = measured.number.pair
-    at = np.linspace(curve.at[0], curve.at[-1], CURVE_POINTS)
-    predicted = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
-    spread = np.interp(at, curve.at, curve.spread)
-    scatter = spread * np.sqrt(1.0 / measured.tries + 1.0 / np.interp(at, curve.at, curve.tries))
+    grid = np.linspace(curve.parameter[0], curve.parameter[-1], CURVE_POINTS)
+    predicted = np.asarray(PchipInterpolator(curve.parameter, curve.number)(grid))
+    spread = np.interp(grid, curve.parameter, curve.spread)
+    scatter = spread * np.sqrt(1.0 / measured.tries + 1.0 / np.interp(grid, curve.parameter, curve.tries))
     deviations = (predicted - value) / np.hypot(sd, scatter)
     inside = np.abs(deviations) <= 1.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     branches = []
     for first, past in edges.reshape(-1, 2):
         best = first + int(np.argmin(np.abs(deviations[first:past])))
-        branches.append(Branch(float(at[best]), float(at[first]), float(at[past - 1])))
-    ends = float(curve.at[0]), float(curve.at[-1])
+        branches.append(Branch(float(grid[best]), float(grid[first]), float(grid[past - 1])))
+    ends = float(curve.parameter[0]), float(curve.parameter[-1])
     if inside.all():
         text = f"any {name} from {ends[0]:g} to {ends[1]:g} explains it{case}: this measurement does not determine it"
         return Answer(text, branches, everywhere=True)
@@ -90,14 +91,14 @@ def invert(curve: Curve, measured: Measured, name: str, case: str = "") -> Answe
     misses = float(abs(deviations[best]))
     within = "" if misses > MAX_ERRORS_AWAY else " within one error"
     return Answer(
-        f"no {name} explains it{within}{case}: the nearest is {predicted[best]:.2f} at {at[best]:.2f}, "
+        f"no {name} explains it{within}{case}: the nearest is {predicted[best]:.2f} at {grid[best]:.2f}, "
         f"{misses:.1f} errors away",
         branches,
     )
 
 
 def _format_branch(branch: Branch, ends: tuple[float, float]) -> str:
-    """Format a range: best value, errors, and the ends of the curve, `ends`, that cut it off."""
+    """Format a range as best value and errors, and name the `ends` of the curve (lowest, highest) that cut it off."""
     cut = [f"{end:g}" for end, bound in zip(ends, branch[1:], strict=True) if bound == end]
     up, down = branch.high - branch.value, branch.value - branch.low
     digits = error_digits(max(up, down))

@@ -39,8 +39,9 @@ def write_report(
 ) -> R:
     """Write a report with the choices behind it into its folder, and return it.
 
-    `setup` is the design and scene before the update, `choices` the other settings for the manifest. With a comment,
-    write also the updated scene and, if it changed, design, with `all_keys` or only those that are set.
+    `setup` is the design and scene before the update, `choices` the other settings for the manifest. Unless `comment`
+    is empty, it heads two more files: the updated scene and, if it changed, the design. `all_keys`: write also the keys
+    that have their default values.
     """
     assert report.folder is not None
     with Folder(report.folder) as target:

@@ -82,12 +82,12 @@ def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
 
 
 def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, float]:
-    """Return the columns of x, y and z, with gravity if possible, whether they lack it, and the factor to mm/s^2."""
+    """Return the columns of x, y and z, if possible with gravity, whether it was removed, and the factor to mm/s^2."""
     found = [(name, match) for name in names if (match := AXIS_PATTERN.fullmatch(name.strip()))]
     for linear in (False, True):
-        own = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}
-        if len(own) == 3:
-            chosen = [own[axis] for axis in "xyz"]
+        by_axis = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}
+        if len(by_axis) == 3:
+            chosen = [by_axis[axis] for axis in "xyz"]
             unit = (chosen[0][1]["unit"] or ("g" if "gf" in chosen[0][0].lower() else "m/s^2")).lower()
             scale = GRAVITY if unit == "g" else 1.0 if unit.startswith("mm") else 1e3
             return [name for name, _ in chosen], linear, scale

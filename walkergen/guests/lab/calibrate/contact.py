@@ -48,10 +48,10 @@ class Rebound(NamedTuple):
 
 def density(readings: Readings) -> Estimate | None:
     """Return the density of the block, g/cm^3; None without its mass or a size."""
-    own = readings.get("block", {})
-    if any(name not in own for name in DENSITY_READINGS):
+    block = readings.get("block", {})
+    if any(name not in block for name in DENSITY_READINGS):
         return None
-    needed = [own[name][0] for name in DENSITY_READINGS]
+    needed = [block[name][0] for name in DENSITY_READINGS]
     (mass, *sizes), errors = zip(*(reading.number.pair for reading in needed), strict=True)
     volume = parts.block_volume(*sizes)
     value = 1e3 * mass / volume if volume > 0.0 else math.inf
@@ -82,7 +82,7 @@ def friction(readings: Readings) -> Estimate | None:
 
 
 def damping(readings: Readings) -> Estimate | None:
-    """Return the damping ratio from the swings until half amplitude; None without any.
+    """Return the damping ratio from the number of swings until the amplitude has halved. None without readings.
 
     It includes the damping by air and clamp. Strip and leg are of the same plastic.
     """
@@ -96,10 +96,10 @@ def damping(readings: Readings) -> Estimate | None:
 
 
 def rebound(readings: Readings) -> Rebound | None:
-    """Return the rebound of the walker, from the time to its second landing and the height; None without any.
+    """Return the rebound of the walker, from its time in the air after the impact and the height. None without drops.
 
     After a fall by h it flies for t = 2 sqrt(2 h_2 / g), and sqrt(h_2 / h) is t sqrt(g / (8 h)).
-    Raises InputError for one above 1.
+    Raises InputError for a rebound above 1.
     """
     flights = readings.get("walker", {}).get("flight_s", ())
     if not flights:
@@ -131,7 +131,7 @@ def stated_rebound(request: CalibrateFields) -> Rebound:
 
 
 def _drop_scatter(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
-    """Return the sd of the rebound between drops beyond the error of the clock. `seconds`, `ratios`: of each flight."""
+    """Return the sd of rebounds between drops beyond the clock's error. `seconds`, `ratios`: flights and rebounds."""
     tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
     within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
     clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2

@@ -19,7 +19,7 @@ UNIT_LABELS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
 
 
 class Estimate(NamedTuple):
-    """Number with its error, that of the mean of readings, larger where these disagree."""
+    """Number from readings, with its standard error, which is larger where the readings disagree."""
 
     name: str
     number: Quantity
@@ -30,7 +30,7 @@ class Estimate(NamedTuple):
     sets: tuple[str, ...] = ()
     """Key of design or scene (these begin with scene.) that it sets, and that of its error."""
     parts: tuple[str, ...] = ()
-    """What was read, as a mean counts it."""
+    """Parts whose numbers were averaged, such as block and walker."""
 
     @property
     def probability(self) -> float | None:

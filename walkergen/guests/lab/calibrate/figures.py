@@ -39,9 +39,9 @@ def draw_strips(moduli: Moduli, title: str) -> Figure:
     for method, (look, hollow, side, label) in METHOD_LOOKS.items():
         points = [point for point in moduli.points if point.method == method]
         if points:
-            at = np.array([thicknesses[point.strip] for point in points]) + side * step
+            x = np.array([thicknesses[point.strip] for point in points]) + side * step
             values, errors = np.array([point.modulus.pair for point in points]).T
-            draw_points(axes, (at, values, errors), look, label, hollow)
+            draw_points(axes, (x, values, errors), look, label, hollow)
     for strip, thickness in thicknesses.items():
         axes.annotate(
             strip.replace("_", " "),

@@ -175,7 +175,7 @@ def read_form(path: Path) -> Readings:
     for condition, pairs in tries.items():
         film = path.parent / condition.tracks if condition.tracks else None
         readings[condition.part][condition.name].append(_mean_reading(condition, pairs, film))
-    return {part: dict(own) for part, own in readings.items()}
+    return {part: dict(by_kind) for part, by_kind in readings.items()}
 
 
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
@@ -229,7 +229,7 @@ def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
 
 
 def _parse_number(name: str, cell: str, largest: float, allow_zero: bool = False) -> float:
-    """Parse a number up to `largest`, called `name` in messages. `allow_zero`: else it must be MIN_ERROR or more."""
+    """Parse a number of MIN_ERROR (or 0, if `allow_zero`) up to `largest`, called `name` in messages."""
     value = formatting.parse_number(cell)
     smallest = 0.0 if allow_zero else MIN_ERROR
     if value is None or not smallest <= value <= largest:
@@ -238,7 +238,7 @@ def _parse_number(name: str, cell: str, largest: float, allow_zero: bool = False
 
 
 def _mean_reading(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
-    """Average tries (value, error), weighted by their stated errors where these differ. `film`: its tracks, if any."""
+    """Average tries (value, error), weighted by their stated errors. `film`: file of tracks of the slide, if filmed."""
     values, errors = np.array(pairs).T
     weights = errors**-2 / (errors**-2).sum()
     stated = float((errors**-2).sum() ** -0.5)

@@ -196,7 +196,7 @@ def _missing_notes(
     means: Mapping[str, Estimate | None],
     drop: Answer | None,
 ) -> list[str]:
-    """Return a note on each quantity without an estimate, with the reason."""
+    """Return a note with the reason for each missing estimate. `means`: friction and damping. `drop`: restitution."""
     notes = []
     if moduli is None:
         notes.append("no Young's modulus: no strip has sizes and a deflection or a ring")

@@ -110,20 +110,21 @@ def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]
     by_method = []
     for strip in strips:
         for method in (BEND_METHOD, RING_METHOD):
-            for own in select_method([strip], method):
-                alone = fit([own], density)
-                by_method.append(Point(strip.name, method, own.sizes["thickness_mm"], alone.number, alone.readings))
+            for part in select_method([strip], method):
+                alone = fit([part], density)
+                by_method.append(Point(strip.name, method, part.sizes["thickness_mm"], alone.number, alone.readings))
     return by_method
 
 
 def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
     """Compute the excess, in percent, of the modulus from the ring over that from weights.
 
-    Plastic that creeps while a weight hangs makes it positive. None without both, and where the readings leave it open.
+    Plastic that creeps while a weight hangs makes it positive. None unless readings of both methods determine it.
     """
     if not (select_method(strips, BEND_METHOD) and select_method(strips, RING_METHOD)):
         return None
-    excess, error = _solve(strips, density, (RING_METHOD,))[0][1].pair
+    (_, log_ratio), _, _ = _solve(strips, density, (RING_METHOD,))
+    excess, error = log_ratio.pair
     sd = math.exp(excess) * error
     return Quantity("ring_over_weights", "percent", 100.0 * math.expm1(excess), 100.0 * sd) if sd <= 1.0 else None
 
@@ -132,12 +133,13 @@ def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity 
     """Compute the length (mm), added to all thicknesses, that makes strips agree best.
 
     A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring and weights may
-    have different moduli. None for a single strip, and where strips leave it open.
+    have different moduli. None for a single strip, and where the strips do not determine it.
     """
     if len(strips) < 2:
         return None
     both = bool(select_method(strips, BEND_METHOD)) and bool(select_method(strips, RING_METHOD))
-    value, sd = _solve(strips, density, (OFFSET_NAME, RING_METHOD) if both else (OFFSET_NAME,))[0][1].pair
+    (_, offset, *_), _, _ = _solve(strips, density, (OFFSET_NAME, RING_METHOD) if both else (OFFSET_NAME,))
+    value, sd = offset.pair
     thinnest = min(strip.sizes["thickness_mm"].pair[0] for strip in strips)
     return Quantity("offset", "mm", value, sd) if sd <= thinnest else None
 
@@ -160,6 +162,7 @@ def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str])
     for _ in range(FIT_ROUNDS):
 
         def residuals(parameters: Array, sd: Array = sd) -> Array:
+            """Return residuals over errors of deflections and frequencies, then all deviations of uncertain inputs."""
             bends, rings = _predict_readings(strips, density, parameters, extras)
             return np.concatenate([(bends - deflections) / sd, (rings - tones[:, 0]) / tones[:, 1], parameters[count:]])
 
@@ -206,28 +209,30 @@ def _deflection_errors(strips: Sequence[Specimen], deflections: Array) -> Array:
 def _predict_readings(
     strips: Sequence[Specimen], density: Quantity, parameters: Array, extras: Sequence[str]
 ) -> tuple[Array, Array]:
-    """Return deflections (mm) and frequencies (Hz) of strips.
+    """Return deflections (mm) and frequencies (Hz) of strips, one for each reading.
 
-    `parameters`: logarithm of the modulus, `extras`, then deviations of shared inputs and of each strip's sizes.
+    `parameters`: logarithm of the modulus (GPa), values of `extras` (see `_solve`), deviations of density, root, clamp
+    and air, and of each strip's sizes. Deviations are in standard errors.
     """
 
     def perturb(number: Quantity, errors: float) -> float:
+        """Return the number plus so many standard errors."""
         value, sd = number.pair
         return value + sd * errors
 
     count = 1 + len(extras)
     extra_values = dict(zip(extras, parameters[1:count], strict=True))
-    slow = PA_PER_GPA * math.exp(parameters[0])
-    fast = slow * math.exp(extra_values.get(RING_METHOD, 0.0))
-    heavy = G_MM3_PER_G_CM3 * perturb(density, parameters[count])
+    static_modulus = PA_PER_GPA * math.exp(parameters[0])
+    ring_modulus = static_modulus * math.exp(extra_values.get(RING_METHOD, 0.0))
+    solid_density = G_MM3_PER_G_CM3 * perturb(density, parameters[count])
     root = beams.ROOT_FACTOR + beams.ROOT_FACTOR_SD * parameters[count + 1]
     clamp = beams.CLAMP_FACTOR + beams.CLAMP_FACTOR_SD * parameters[count + 2]
     bends, rings = [], []
     for number, specimen in enumerate(strips):
         first = count + SHARED_PARAMETERS + 3 * number
-        sizes = [perturb(specimen.sizes[name], parameters[first + place]) for place, name in enumerate(SIZE_READINGS)]
+        sizes = [perturb(specimen.sizes[name], parameters[first + index]) for index, name in enumerate(SIZE_READINGS)]
         strip = Strip(max(sizes[0] + extra_values.get(OFFSET_NAME, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
-        stiff = beams.bending_stiffness(slow, strip)
+        stiff = beams.bending_stiffness(static_modulus, strip)
         bends += [
             beams.deflection(bend.weight_g, beams.effective_length(bend.at_mm, strip, root, clamp), stiff)
             for bend in specimen.bends
@@ -235,7 +240,7 @@ def _predict_readings(
         # A search that strays to a strip without length or mass is kept at a small one
         long = strip._replace(length=max(beams.effective_length(strip.length, strip, root, clamp), strip.thickness))
         air, air_sd = specimen.air.pair
-        mass = beams.moving_mass(max(heavy * (1.0 - air - air_sd * parameters[count + 3]), 1e-6), long)
-        stiff = beams.bending_stiffness(fast, strip)
+        mass = beams.moving_mass(max(solid_density * (1.0 - air - air_sd * parameters[count + 3]), 1e-6), long)
+        stiff = beams.bending_stiffness(ring_modulus, strip)
         rings += [beams.natural_frequency(stiff, mass, long.length, ring.weight_g) for ring in specimen.rings]
     return np.array(bends), np.array(rings)

@@ -84,7 +84,7 @@ def make_strips(design: Design, printer: Printer) -> list[DrawnStrip]:
 
 
 def _free_length(thickness: float, design: Design, longest: float) -> float:
-    """Compute the free length, mm, of a strip that rings at TARGET_RING_HZ, in whole steps, as far as it fits."""
+    """Compute the free length (mm) of a strip that rings at TARGET_RING_HZ, in whole steps, up to `longest` (mm)."""
     material = design.material
     speed = math.sqrt(material.youngs_modulus / (1e-3 * material.density_g_cm3 * 12.0))
     length = math.sqrt(beams.FIRST_MODE * thickness * speed / (2.0 * math.pi * TARGET_RING_HZ))
@@ -111,8 +111,8 @@ def strip_mesh(drawn: DrawnStrip) -> Mesh:
     bar = np.array([(-0.5 * long, -half), (end, -half), (end, half), (-0.5 * long, half)])
     number = drawn.name.rpartition("_")[2]
     middle = np.array([-0.5 * long, 0.0])
-    digits = [glyph + middle for glyph in text_outline(number, DIGIT_MM, False, "strip")]
-    return extrude([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
+    digits = [glyph + middle for glyph in text_outline(number, DIGIT_MM, connected=False, source="strip")]
+    return extrude([block, bar], drawn.strip.width, windows=0, engraving=Engraving(digits, DIGIT_DEPTH_MM))
 
 
 def air_percent(drawn: DrawnStrip, printer: Printer) -> float:

@@ -97,7 +97,7 @@ def _make_pieces(design: Design, strips: Sequence[DrawnStrip], printer: Printer)
     checked = []
     for part in strips:
         mesh, strip = parts.strip_mesh(part), part.strip
-        wall = Wall("strip", strip.thickness, 1.0, strip.width)
+        wall = Wall("strip", strip.thickness, slant=1.0, height=strip.width)
         seen = checks.check_piece(part.name, [wall], mesh, printer)
         label = f"{part.name}: {strip.thickness:g} mm"
         checked.append(Piece(part.name, mesh, label, seen))
@@ -129,7 +129,7 @@ def _format_sheet(design: Design, strips: Sequence[DrawnStrip], layout: Layout, 
     """Return the sheet on printing and measuring, as Markdown. `stem`: start of the names of its files."""
     batch = print_sheet.Batch(stem, layout.printer, [design], layout.plates, layout.parts, form.FORM_FILE)
     loads = plate_files.piece_loads(layout, design.material.density_g_cm3)
-    printing = print_sheet.format_print_section(batch, loads, layout.findings, "")
+    printing = print_sheet.format_print_section(batch, loads, layout.findings, legend="")
     return f"{printing}\n\n{measuring.to_markdown(strips, design, layout.printer)}"
 
 

@@ -77,8 +77,8 @@ class Sines(NamedTuple):
     upward: Complex
     """Amplitudes (mm/s^2) of upward accelerations, shape (pieces, HARMONICS)."""
     sideways: Complex
-    """Of those along both axes of the plate, at the drive's frequency, and of rates (rad/s) of turning about both, if
-    known: shape (pieces, 2) or (pieces, 4)."""
+    """Amplitudes at the drive's frequency: of accelerations (mm/s^2) along x and y of the plate and, if known, of
+    turning rates (rad/s) about x and y: shape (pieces, 2) or (pieces, 4)."""
     rest: Array
     """Upward acceleration without these sines, shape (n,), mm/s^2."""
 
@@ -137,9 +137,9 @@ def _scene_settings(rows: list[Row], notes: list[str]) -> tuple[dict[str, Any], 
     directions = {size.key: turn.number for size, turn in pairwise(rows) if turn.name.startswith("direction of")}
     settings: dict[str, Any] = {}
     for key, value in measured.items():
-        name, _, place = key.rstrip("]").partition("[")
-        if place:
-            settings.setdefault(name, [0.0, 0.0])[int(place) - 1] = value
+        name, _, number = key.rstrip("]").partition("[")
+        if number:
+            settings.setdefault(name, [0.0, 0.0])[int(number) - 1] = value
         elif key in directions:
             angle = math.radians(directions[key].number)
             settings[key] = [float(f"{value * part:.6g}") for part in (math.cos(angle), math.sin(angle))]
@@ -214,9 +214,10 @@ def _notes(recording: Recording, frequency: float, gravity: float | None, scene:
 
 
 def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
-    """Return gradient and rocking of the amplitude, from turning rates (rad/s) about the plate's x and y, (pieces, 2).
+    """Return gradient and rocking of the amplitude, from complex turning rates (rad/s) about x and y, (pieces, 2).
 
-    `unit`: phase factors of the drive. `speed`: its peak speeds (mm/s). A plate turning at W rises at W_x y - W_y x.
+    `rates` is empty without a gyroscope. `unit`: the drive's phase factors, exp(i phase), (pieces,). `speed`: its peak
+    speeds (mm/s). A plate turning at W rises at W_x y - W_y x.
     """
     refused = "" if rates.size else "it needs the gyroscope, because an accelerometer measures in one place"
     x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
@@ -252,16 +253,16 @@ def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[f
     times, rate = recording.times, recording.rate
     even = np.arange(0.0, times[-1], 1.0 / rate)
     power = np.abs(np.fft.rfft(np.interp(even, times, upward) * np.hanning(len(even)))) ** 2
-    at = np.fft.rfftfreq(len(even), 1.0 / rate)
-    power[at < PIECES * MIN_PERIODS / times[-1]] = 0.0
+    frequencies = np.fft.rfftfreq(len(even), 1.0 / rate)
+    power[frequencies < PIECES * MIN_PERIODS / times[-1]] = 0.0
     peak = int(power.argmax())
     if not power[peak] > MIN_PEAK_RATIO * np.median(power[power > 0.0]):
         raise InputError(f"{source}: no drive frequency stands out. Record for half a minute while the plate shakes")
-    half = int(np.abs(at - 0.5 * at[peak]).argmin())
+    half = int(np.abs(frequencies - 0.5 * frequencies[peak]).argmin())
     near = int(power[max(half - 2, 0) : half + 3].argmax()) + max(half - 2, 0)
     if power[near] > power[peak] / 16.0:  # a harmonic of a quarter of the amplitude shakes as much as the drive
         peak = near
-    frequency, error = float(at[peak]), math.inf
+    frequency, error = float(frequencies[peak]), math.inf
     for _ in range(4):
         amplitudes = _fit_sines(times, upward, np.zeros((len(times), 0)), frequency).upward[:, 0]
         middles = np.array([piece.mean() for piece in np.array_split(times, PIECES)])
@@ -306,10 +307,11 @@ def _sine_rows(
     along, across = (float(part.std(ddof=1)) / root for part in (rotated.real, rotated.imag))
     size, freedom = abs(mean), len(waves) - 1.0
     if not refused and size < MIN_SIGNIFICANCE * max(along, across):
-        of = unit or "of the drive's amplitude"
-        refused = f"not distinguishable from 0: below {size + 2.0 * along:.2g} {of} (95 %)"
+        unit_name = unit or "of the drive's amplitude"
+        refused = f"not distinguishable from 0: below {size + 2.0 * along:.2g} {unit_name} (95 %)"
     if refused:
-        sizes, angles = (Quantity(key, of, None, refused=refused) for key, of in (("ratio", unit), (angle_name, "deg")))
+        sizes = Quantity("ratio", unit, None, refused=refused)
+        angles = Quantity(angle_name, "deg", None, refused=refused)
     else:
         sizes = Quantity("ratio", unit, size, along, freedom)
         angles = Quantity(angle_name, "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
@@ -322,18 +324,21 @@ def _max_frequency(rate: float) -> float:
 
 
 def _noise_ratio(noise: Array, recording: Recording, scene: Scene, omega: float, acceleration: float) -> Quantity:
-    """Return the r.m.s. velocity of `noise` (mm/s^2) in the scene's band over the drive's, `acceleration` / `omega`."""
+    """Return the r.m.s. velocity of `noise` (mm/s^2, shape (n,)) in the scene's band, over the drive's peak velocity.
+
+    The drive's peak `acceleration` is in mm/s^2, and its angular frequency `omega` in rad/s.
+    """
     low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
     if not low < high:
         return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, above all measurable frequencies")
     squares = []
     for piece, times in zip(np.array_split(noise, PIECES), np.array_split(recording.times, PIECES), strict=True):
         window = np.hanning(len(piece))
-        at = np.fft.rfftfreq(len(piece), float(np.diff(times).mean()))
+        frequencies = np.fft.rfftfreq(len(piece), float(np.diff(times).mean()))
         power = np.abs(np.fft.rfft(piece * window)) ** 2 * 2.0 / (len(piece) * (window**2).sum())
-        band = (at >= low) & (at <= high)
+        band = (frequencies >= low) & (frequencies <= high)
         kept = 1.0 - HARMONICS / max(int(band.sum()), 2 * HARMONICS)  # of the band, once the sines are taken out
-        squares.append(float((power[band] / (2.0 * math.pi * at[band]) ** 2).sum()) / kept)
+        squares.append(float((power[band] / (2.0 * math.pi * frequencies[band]) ** 2).sum()) / kept)
     square = _mean_quantity("noise", "", np.array(squares) * (omega / acceleration) ** 2)
     assert square.value is not None
     assert square.se is not None

@@ -82,8 +82,8 @@ def plate_files(
 
             with figures.style({}):
                 map_figure = _draw_map(layout, plate, name)
-            picture = figures.png(map_figure, THUMBNAIL_DPI)
-            yield f"{name}.png", figures.png(map_figure, 130)
+            picture = figures.png(map_figure, dpi=THUMBNAIL_DPI)
+            yield f"{name}.png", figures.png(map_figure, dpi=130)
         suffix, data = packing.plate_file(plate, layout.parts, meshes, layout.printer, name, picture, prusaslicer)
         yield f"{name}{suffix}", data
     for piece in layout.pieces:

@@ -32,7 +32,7 @@ def make_report(
     title: str,
     folder: Path,
 ) -> LabReport:
-    """Report results of a form or a drop. `moduli`: fit of strips. `drop`: restitution. `measured`: updated inputs."""
+    """Report results of a form or a drop. `drop`: its restitution. `measured`: design and scene with the results."""
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),

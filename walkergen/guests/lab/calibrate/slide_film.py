@@ -69,18 +69,22 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
 
 
 def _visible_positions(position: Array, frame_seconds: float) -> tuple[Array, Array]:
-    """Return times (s, mean 0) and positions (mm) of the frames that show the part. Others are NaN in `position`."""
+    """Return times (s, mean 0) and positions (mm, (n, 2)) of the frames that show the part, not NaN in `position`."""
     seen = ~np.isnan(position).any(axis=1)
     times = frame_seconds * np.flatnonzero(seen)
     return times - times.mean(), position[seen]
 
 
 def _acceleration(times: Array, places: Array) -> tuple[float, float, float, float]:
-    """Return the acceleration (mm/s^2) along the path and its error, and its change from end to end and that error."""
+    """Return the acceleration (mm/s^2) along the path, its error, its change from start to end, and the change's error.
+
+    `times`: s, mean 0, shape (n,). `places`: positions, mm, shape (n, 2).
+    """
     way = places[-1] - places[0]
     ahead = places @ way / (np.linalg.norm(way) or 1.0)
 
     def fit_polynomial(degree: int) -> tuple[Array, Array]:
+        """Return the coefficients of a polynomial of distance against time, lowest first, and their errors."""
         terms = np.vander(times, degree + 1, increasing=True)
         solution, _, _, _ = np.linalg.lstsq(terms, ahead)
         rest = ahead - terms @ solution

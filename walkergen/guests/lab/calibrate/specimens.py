@@ -68,20 +68,20 @@ def from_readings(readings: Readings) -> tuple[list[Specimen], list[str]]:
     """Return the strips that have sizes and give a modulus, and notes on strips without sizes. Raises InputError."""
     strips, notes = [], []
     for part in sorted(name for name in readings if name.startswith("strip_")):
-        own = readings[part]
-        rings = [*own.get("ring_hz", ()), *(_to_frequency(time) for time in own.get("swings_20_s", ()))]
-        bends = own.get("deflection_mm", ())
+        by_kind = readings[part]
+        rings = [*by_kind.get("ring_hz", ()), *(_to_frequency(time) for time in by_kind.get("swings_20_s", ()))]
+        bends = by_kind.get("deflection_mm", ())
         if not (rings or bends):
             continue
-        missing = [name for name in SIZE_READINGS if name not in own]
+        missing = [name for name in SIZE_READINGS if name not in by_kind]
         if missing:
             notes.append(f"{part}: no {' and no '.join(missing)}: its modulus is not estimated")
             continue
-        sizes = {name: own[name][0].number for name in SIZE_READINGS}
+        sizes = {name: by_kind[name][0].number for name in SIZE_READINGS}
         _check_sizes(part, sizes)
         for bend in bends:
             _check_bend(part, bend, sizes["free_length_mm"].pair[0])
-        air = DEFAULT_AIR if AIR_SHARE not in own else scale_quantity(own[AIR_SHARE][0].number, 0.01)
+        air = DEFAULT_AIR if AIR_SHARE not in by_kind else scale_quantity(by_kind[AIR_SHARE][0].number, scale=0.01)
         strips.append(Specimen(part, sizes, bends, rings, air))
     return strips, notes
 
@@ -174,7 +174,7 @@ def median_modulus(rough: Sequence[Rough], method: str) -> float | None:
 
 
 def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
-    """Return a note if the only measured modulus is off `usual` (GPa) by the factor of a typical mistake."""
+    """Return a note if only one method was used and its modulus is off `usual` (GPa) by a typical mistake's factor."""
     ring, bend = (median_modulus(rough, method) for method in (RING_METHOD, BEND_METHOD))
     if ring and bend:
         return []
@@ -186,6 +186,6 @@ def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
 
 
 def _describe_slip(ratio: float, slips: Mapping[float, str]) -> str:
-    """Return the text of the mistake in `slips`, by factor, whose factor is near `ratio`, or "" if none is near."""
+    """Return a text on the mistake whose factor is near `ratio`, or "". `slips`: mistakes by their factors."""
     like = min(slips, key=lambda usual: abs(math.log(ratio / usual)))
     return f"; the ratio is near {slips[like]}" if 1 / SLIP_TOLERANCE <= ratio / like <= SLIP_TOLERANCE else ""

@@ -59,16 +59,16 @@ class Response(NamedTuple):
 
     emulator: Emulator
     floor: float
-    """Scatter between prints that stand, mm/s, as simulated; 0 where prints do not differ."""
+    """Scatter between prints at speed 0, mm/s, as simulated; 0 where prints do not differ."""
     share: float
-    """Scatter over speed, which joins `floor` as its square does."""
+    """Scatter over speed, added to `floor` in quadrature."""
     still: float
-    """Speed (mm/s) below which a scatter that is learnt no longer falls with the speed."""
+    """Speed (mm/s) below which a learnt scatter no longer falls with the speed."""
 
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
         """Return mean speed, its error from the emulator, and the scatter between prints, each (k,), mm/s.
 
-        `x`: parameters, shape (k, parameters). A column after the simulated ones replaces the scatter over speed.
+        `x`: parameters, shape (k, parameters). A column after the simulated ones: learnt scatter over speed, used then.
         """
         simulated = len(self.emulator.centre)
         mean, sd = self.emulator(x[:, :simulated])
@@ -92,10 +92,10 @@ def sample_parameters(inputs: FitInputs, count: int) -> Array:
 
 
 def simulate(inputs: FitInputs, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
-    """Simulate the speeds (mm/s) of walkers with parameters `x`, shape (n, simulated), in a setting.
+    """Simulate the speeds (mm/s), shape (n,), of walkers with parameters `x`, shape (n, simulated), in a setting.
 
-    The speed is NaN where a walker falls. The scene's seed, the setting and the batch's number determine the print and
-    start of each walker. Stored speeds are reused, and Ctrl-C loses only the current runs.
+    The speed is NaN where a walker falls. The scene's seed, the setting and the number of the batch determine how each
+    walker prints and starts. Stored speeds are reused, and Ctrl-C loses only the current runs.
     """
     prints, seeds = _sample_prints(inputs, setting, len(x), batch)
     names = [parameter.prior.name for parameter in inputs.unknown.simulated]
@@ -123,7 +123,7 @@ def simulate(inputs: FitInputs, setting: Setting, x: Array, progress: Progress, 
 
 
 def cpu_seconds(inputs: FitInputs, setting: Setting) -> float:
-    """Estimate the CPU time (s) of one short run in a setting, with the values of design and scene."""
+    """Estimate the CPU time (s) of one short run in a setting."""
     return run_time.run_cpu_s(Walker(_short_scene(inputs, setting), setting.design, mass_of(setting.design)))
 
 
@@ -137,8 +137,8 @@ def _sample_prints(inputs: FitInputs, setting: Setting, count: int, batch: int) 
     seeds = [int(seed) for seed in rng.integers(2**62, size=count)]
     uniform = rng.uniform(1e-9, 1.0, (count, len(inputs.unknown.printed)))
     columns = [
-        uncertain_inputs.input_quantiles(varying, uniform[:, place])
-        for place, varying in enumerate(inputs.unknown.printed)
+        uncertain_inputs.input_quantiles(varying, uniform[:, column])
+        for column, varying in enumerate(inputs.unknown.printed)
     ]
     return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
 
@@ -196,7 +196,7 @@ def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> R
 
 
 def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
-    """Return the scatter (mm/s) of residuals at speed 0, and its growth with speed. Arguments: shape (n,), mm/s."""
+    """Fit a and b of the variance a^2 + (b speed)^2 to residuals. Return a (mm/s) and b. Arguments: (n,), mm/s."""
     from scipy.optimize import nnls
 
     typical = float(np.sqrt(np.mean(residual**2))) or 1e-6
@@ -212,12 +212,12 @@ def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
 def simulate_batches(
     inputs: FitInputs, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
 ) -> list[Array]:
-    """Return the simulated speeds (mm/s) in each setting, shape (n,), for parameters `x`, shape (n, simulated)."""
+    """Return the simulated speeds (mm/s) in each setting, (n,), at parameters `x`, (n, simulated). `batch`: a seed."""
     speeds = []
     for number, setting in enumerate(settings):
 
-        def report_total(message: str, done: int, total: int, number: int = number) -> None:
+        def report_overall_progress(message: str, done: int, total: int, number: int = number) -> None:
             progress(message, number * len(x) + done, len(settings) * len(x))
 
-        speeds.append(simulate(inputs, setting, x, report_total, batch))
+        speeds.append(simulate(inputs, setting, x, report_overall_progress, batch))
     return speeds

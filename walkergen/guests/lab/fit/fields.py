@@ -11,7 +11,7 @@ from walkergen.request import Flag
 
 
 def _parse_fixed(value: Any) -> list[str]:
-    """Return the parameters to hold, NAME=VALUE, from texts or from {NAME: VALUE}."""
+    """Return the parameters to hold as texts NAME=VALUE, from such texts or from a mapping {NAME: VALUE}."""
     return (
         [f"{name}={number!r}" for name, number in value.items()]
         if isinstance(value, Mapping)

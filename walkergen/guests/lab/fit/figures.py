@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], title: str) -> Figure:
     """Draw speed against tilt: measured with error bars, fitted with a band of one standard error.
 
-    `curves` has tilt, speed over plate speed and its standard error by kind of legs. Where plate
-    speeds differ, all speeds are drawn over their own plate speed.
+    `curves` has, by kind of legs, arrays of tilt, speed over plate speed and standard error of the latter. Where plate
+    speeds differ, all speeds are divided by their own plate speed.
     """
     plate = seen.plate_speed
     same = np.ptp(plate) < 1e-9 * plate.max()
@@ -30,9 +30,9 @@ def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], 
     speeds, errors = seen.speed / unit, None if seen.se is None else seen.se / unit
     for kind, (fine, speed, error) in curves.items():
         draw_curve(axes, (fine, scale * speed, scale * error), LEG_STYLES[kind], f"fit, {kind} legs")
-        own = np.array([legs == kind for legs in seen.legs])
-        bars = None if errors is None else errors[own]
-        draw_points(axes, (seen.tilt[own], speeds[own], bars), LEG_STYLES[kind], f"measured, {kind} legs", hollow=True)
+        shown = np.array([legs == kind for legs in seen.legs])
+        data = (seen.tilt[shown], speeds[shown], None if errors is None else errors[shown])
+        draw_points(axes, data, LEG_STYLES[kind], f"measured, {kind} legs", hollow=True)
     label_axes(axes, "tilt of the legs (deg)", "speed (mm/s)" if same else "speed / plate speed")
     axes.legend()
     return figure
@@ -40,9 +40,9 @@ def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], 
 
 @style()
 def draw_bands(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
-    """Draw speeds against tilt on the plate that is predicted: measured speeds, and bands of one more print.
+    """Draw speeds against tilt at one plate speed: measured speeds, and predicted bands for one more printed walker.
 
-    Bands are computed at the dots alone. Between them they are joined by straight lines.
+    The plate speed is that of the settings that were not measured. Bands are interpolated between the dots.
     """
     plate = next((band for band in bands if not band.measured), bands[0]).plate_speed_mm_s
     chosen = [band for band in bands if band.plate_speed_mm_s == plate]

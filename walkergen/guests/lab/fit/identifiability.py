@@ -67,7 +67,7 @@ def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     """Return notes on parameters that are determined only in combination.
 
     Combinations are eigenvectors of the correlation of the parameters' logarithms, that is, products of powers. `draws`
-    of the posterior have the parameters as their first columns.
+    of the posterior, shape (k, columns), have the parameters as their first columns.
     """
     if len(parameters) < 2:
         return []
@@ -76,16 +76,16 @@ def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     levels, vectors = np.linalg.eigh(np.corrcoef(logs.T))
     notes = []
     for level, vector in zip(levels, vectors.T, strict=True):
-        parts = [place for place, part in enumerate(vector) if abs(part) > MIN_COMPONENT]
-        parts.sort(key=lambda place: -abs(vector[place]))
+        parts = [index for index, part in enumerate(vector) if abs(part) > MIN_COMPONENT]
+        parts.sort(key=lambda index: -abs(vector[index]))
         first = parts[0]
         power = vector / sd / (vector[first] / sd[first])
         error = float(np.std(logs[:, parts] @ power[parts]))
         if len(parts) < 2 or np.sqrt(level) > MAX_TRADE_ERROR or error > MAX_TRADE_ERROR * sd[first]:
             continue
-        names = [parameters[place].name for place in parts]
+        names = [parameters[index].name for index in parts]
         product = " x ".join(
-            parameters[place].name + ("" if place == first else f"^{power[place]:.2g}") for place in parts
+            parameters[index].name + ("" if index == first else f"^{power[index]:.2g}") for index in parts
         )
         notes.append(
             f"{_join_names(names)} trade off: {product} is known to {100 * error:.0f} %, but {parameters[first].name} "
@@ -108,7 +108,7 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
 
 
 def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Summary]) -> list[str]:
-    """Return a note on each measured prior whose mean is more than `MAX_DEVIATIONS` of its deviations off the fit."""
+    """Return a note on each fitted mean that is more than MAX_DEVIATIONS prior deviations off its measured prior."""
     notes = []
     for parameter, row in zip(parameters, rows, strict=True):
         prior = parameter.prior

@@ -69,7 +69,10 @@ def sample(
 
 
 def _log_density(z: Array, mean: Array, cholesky: Array) -> Array:
-    """Return the log density, up to a constant, from which rows of `z` are drawn: prior, or normal about `mean`."""
+    """Return the log density, up to a constant, of the distribution from which the rows of `z` are drawn, shape (n,).
+
+    It mixes the prior with a normal distribution about `mean`. `cholesky`: Cholesky factor of its covariance.
+    """
     standard = np.linalg.solve(cholesky, (z - mean).T)
     adapted = -0.5 * np.sum(standard**2, axis=0) - np.log(np.diag(cholesky)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)
@@ -84,7 +87,7 @@ def _normalise_weights(log_weights: Array) -> Array:
 
 
 def _temper_weights(log_weights: Array) -> Array:
-    """Raise weights to the first power of 1, 0.7, 0.49 ... that makes them worth MIN_INDEPENDENT / 10 draws."""
+    """Return weights of sum 1, raised to the first power of 1, 0.7 ... that makes them worth MIN_INDEPENDENT / 10."""
     power = 1.0
     while True:
         weight = _normalise_weights(power * log_weights)

@@ -154,7 +154,7 @@ def _find_best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, fl
     errors, fixed_factor = _speed_errors(speeds), fixed.get("impact_speed_factor")
 
     def residuals(per_factor: Array) -> Array:
-        """Return residuals in standard errors, with the best factor for these speeds at factor 1."""
+        """Return residuals over standard errors, once the speeds at factor 1 have their best impact_speed_factor."""
         scaled = (_best_factor(per_factor, speeds, fixed_factor)[..., None] * per_factor - speeds.speed) / errors
         return np.asarray(scaled, dtype=float)
 
@@ -190,7 +190,7 @@ def _best_factor(per_factor: Array, speeds: Speeds, fixed_factor: float | None) 
 
 
 def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -> Array:
-    """Compute the derivatives of the speeds by the free parameters at `values`, shape (n, free)."""
+    """Compute the derivatives of the n speeds with respect to the free parameters at `values`, shape (n, free)."""
     columns = []
     for name in free:
         step = 1e-5 * max(values[name], 0.01)
@@ -220,7 +220,8 @@ def _profile_interval(
     from scipy.optimize import brentq
 
     def excess(value: float) -> float:
-        if value == values[name]:  # the search from a grid need not give `least` to every digit
+        """Return how far the best chi2 with the parameter at `value` lies above the limit; negative: below it."""
+        if value == values[name]:  # the search from a grid need not give `min_chi2` to every digit
             return -increase
         return _find_best(speeds, {**fixed, name: value})[1] - min_chi2 - increase
 
@@ -284,7 +285,7 @@ def _notes(
     """Return notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
     errors, together = fitted.errors, fitted.together
 
-    def is_vague(name: str) -> bool:
+    def is_poorly_determined(name: str) -> bool:
         error = errors[name]
         if error is None:
             return True
@@ -297,13 +298,13 @@ def _notes(
         evidence = f"(smallest eigenvalue of the information {max(fitted.level, 0.0):.2g})"
         notes.append(
             f"{names} cannot be separated {evidence}: fix one, ‹fix› {together[0]}=..."
-            if any(map(is_vague, together))
+            if any(map(is_poorly_determined, together))
             else f"{names} are strongly correlated {evidence}: quote them together"
         )
     notes += [
         f"{name} is hardly determined: its interval spans more than a factor of {MAX_INTERVAL_RATIO:g}"
         for name, error in errors.items()
-        if error is not None and is_vague(name)
+        if error is not None and is_poorly_determined(name)
     ]
     return notes + [
         f"{name} lies at the limit {limit:g} of its range: its standard error has no meaning there"

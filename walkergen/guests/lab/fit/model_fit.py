@@ -85,8 +85,8 @@ def fit(
 ) -> ModelFit:
     """Fit a model to a file of speeds, with the parameters in `held` fixed.
 
-    Columns as in `theory.fit`. Simulated models also need speed_se_mm_s. `expect` receives the expected run time.
-    Raises InputError for unusable input.
+    The file has the columns of `theory.fit`, and for simulated models it must have speed_se_mm_s. `expect` receives the
+    expected run time. Raises InputError for unusable input.
     """
     model, path = request.model, request.speeds
     assert model != "theory"
@@ -105,8 +105,8 @@ def fit(
     sample_posterior = _sample_with_surrogate if model == "prediction" else _sample_with_runs
     sampled, responses, unmeasured_responses = sample_posterior(inputs, settings, observed, unmeasured, progress)
     parameters = inputs.unknown.parameters
-    bands = _predict_bands(inputs, settings, responses, sampled, True) + _predict_bands(
-        inputs, unmeasured, unmeasured_responses, sampled, False
+    bands = _predict_bands(inputs, settings, responses, sampled, is_measured=True) + _predict_bands(
+        inputs, unmeasured, unmeasured_responses, sampled, is_measured=False
     )
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
@@ -161,7 +161,7 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
     settings = [Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)]
-    rows = [np.ravel(indices) == place for place in range(len(different))]
+    rows = [np.ravel(indices) == index for index in range(len(different))]
     se = np.full(len(seen.speed), measured.MIN_VALUE_MM_S) if seen.se is None else seen.se
     return settings, [Observed(seen.speed[row], se[row]) for row in rows]
 
@@ -169,7 +169,7 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
 def _predicted_settings(
     wanted: Sequence[float] | None, design: Design, seen: Measured, settings: Sequence[Setting]
 ) -> list[Setting]:
-    """Return the settings to predict: `wanted` (or the family's) tilts not measured on the plate of most rows."""
+    """Return the settings to predict: unmeasured tilts of `wanted` (or the family) at the most frequent plate speed."""
     plates, counts = np.unique(seen.plate_speed, return_counts=True)
     plate = float(plates[np.argmax(counts)])
     tilts = design.family.tilt_deg if wanted is None else wanted
@@ -210,19 +210,19 @@ def _sample_with_runs(
     progress("kernels", 0, 1)
     seed = inputs.scene.run.seed
     x = emulated_speeds.sample_parameters(inputs, PRIOR_WALKERS)
-    y = emulated_speeds.simulate_batches(inputs, settings, x, progress, 0)
+    y = emulated_speeds.simulate_batches(inputs, settings, x, progress, batch=0)
     parameters, responses = inputs.unknown.parameters, _fit_responses(inputs, settings, x, y)
     with emulator.single_thread():
         first = importance_sampling.sample(parameters, observed, responses, seed, progress)
     drawn = _thin_draws(first, inputs, POSTERIOR_WALKERS)
-    more = emulated_speeds.simulate_batches(inputs, settings, drawn, progress, 1)
+    more = emulated_speeds.simulate_batches(inputs, settings, drawn, progress, batch=1)
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
     responses = _fit_responses(inputs, settings, x, y)
     with emulator.single_thread():
         sampled = importance_sampling.sample(parameters, observed, responses, seed, progress)
     drawn = _thin_draws(sampled, inputs, AHEAD_WALKERS)
-    y = emulated_speeds.simulate_batches(inputs, unmeasured, drawn, progress, 2)
+    y = emulated_speeds.simulate_batches(inputs, unmeasured, drawn, progress, batch=2)
     return sampled, responses, _fit_responses(inputs, unmeasured, drawn, y)
 
 
@@ -251,7 +251,7 @@ def _fit_responses(inputs: FitInputs, settings: Sequence[Setting], x: Array, y: 
 def _predict_bands(
     inputs: FitInputs, settings: Sequence[Setting], models: Sequence[SpeedModel], sampled: Posterior, is_measured: bool
 ) -> list[Band]:
-    """Compute bands of speeds of new prints in each setting. `is_measured`: these are the settings that were fitted."""
+    """Compute bands of the speed of one more print in each setting. `is_measured`: the settings were measured."""
     bands = []
     for number, (setting, response) in enumerate(zip(settings, models, strict=True)):
         rng = np.random.default_rng([inputs.scene.run.seed, number, is_measured])

@@ -53,7 +53,7 @@ errors: an unevenness of 5 um brings 25 % at 10 deg, 5 % from 15 deg on."""
 
 
 class Parameter(NamedTuple):
-    """Parameter to be learnt: a normal prior, cut off, or a flat one from its low to its high."""
+    """Parameter to be learnt. Its prior is truncated normal or, if `flat`, uniform from `prior.low` to `prior.high`."""
 
     name: str
     prior: Input

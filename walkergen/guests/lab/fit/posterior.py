@@ -16,9 +16,9 @@ class SpeedModel(Protocol):
     """Function that predicts the speed of a walker in one setting from the parameters."""
 
     def __call__(self, x: Array, /) -> tuple[Array, Array, Array]:
-        """Return the mean, the common error of all prints, and the scatter between prints, each (k,), mm/s.
+        """Return the mean speed, its error common to all prints, and the scatter between prints, each (k,), mm/s.
 
-        Rows of x (k, parameters) are values of the parameters.
+        `x`: values of the parameters, shape (k, parameters).
         """
 
 
@@ -51,8 +51,8 @@ class Posterior(NamedTuple):
 def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[SpeedModel]) -> tuple[Array, Array]:
     """Return the log-likelihood of each row of parameters `x`, shape (k, parameters), and chi2, each of shape (k,).
 
-    `responses` predict the speeds observed in each setting. Prints scatter independently. The error of an emulator is
-    common to all prints of its setting.
+    `observed`, `responses`: measured speeds and predicting function of each setting. Prints scatter independently. The
+    error of an emulator is common to all prints of its setting.
     """
     total, squares = np.zeros(len(x)), np.zeros(len(x))
     for seen, response in zip(observed, responses, strict=True):

@@ -157,7 +157,7 @@ def _make_report(
 
 
 def _speed_table(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
-    """Return the table of measured speeds. Each row ends on its tuple in `fitted`. `keys`: names of all columns."""
+    """Return the table of measured speeds, each row followed by its values in `fitted`. `keys`: names of columns."""
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     measured = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
     return Table("speeds", [(*row, *bounds) for row, bounds in zip(measured, fitted, strict=True)], keys)

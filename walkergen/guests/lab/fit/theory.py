@@ -95,7 +95,7 @@ def _fitted_scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
 
 
 def _fitted_curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
-    """Return tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
+    """Return tilt (deg), fitted speed over plate speed, and its standard error, for legs of a kind, (CURVE_POINTS,)."""
     tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
     points = _make_speeds(fitted.design, fitted.speeds.mode, tilt, [kind] * len(tilt), ones, None, ones)

@@ -57,8 +57,8 @@ def draw_msd(motion: Motion, title: str) -> Figure:
     if crossover is not None and limits[0][0] < crossover < limits[0][1]:
         draw_level(axes, crossover, upright=True)
         text = f"crossover {crossover:.2g} s "
-        at, of = (crossover, 0.98), ("data", "axes fraction")
-        axes.annotate(text, at, xycoords=of, ha="right", va="top", color=INK, fontsize=MIN_FONT_PT)
+        position, units = (crossover, 0.98), ("data", "axes fraction")
+        axes.annotate(text, position, xycoords=units, ha="right", va="top", color=INK, fontsize=MIN_FONT_PT)
     axes.set_xlim(limits[0])
     axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
     label_axes(axes, y="mean squared displacement (mm²)", log="xy")
@@ -70,10 +70,10 @@ def draw_msd(motion: Motion, title: str) -> Figure:
 def _draw_exponents(axes: Axes, exponent: Curve) -> None:
     """Draw local exponents against lag, with levels at 1 (diffusion) and 2 (a straight run)."""
     # Walkers begin straight and end diffusing: words stand where the points are not.
-    for value, limit, at, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
+    for value, limit, x, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
         draw_level(axes, value)
-        of = ("axes fraction", "data")
-        axes.annotate(limit, (at, value), xycoords=of, ha=side, va="bottom", color=INK, fontsize=MIN_FONT_PT)
+        units = ("axes fraction", "data")
+        axes.annotate(limit, (x, value), xycoords=units, ha=side, va="bottom", color=INK, fontsize=MIN_FONT_PT)
     precise = exponent.se < MAX_EXPONENT_SE
     draw_points(axes, Curve(*(column[precise] for column in exponent)))
     axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.45))
@@ -118,10 +118,10 @@ def draw_walkers(motion: Motion, title: str) -> Figure:
     """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
     figure, axes = new_axes(title)
     speeds = [(walker.particle, walker.mean("speed")) for walker in motion.walkers]
-    rows = [(who, speed.value, speed.se) for who, speed in speeds if speed.value is not None]
+    rows = [(number, speed.value, speed.se) for number, speed in speeds if speed.value is not None]
     names, values, errors = zip(*rows, strict=True)
-    at = range(1, len(names) + 1)
-    draw_points(axes, (at, values, errors), label="each, ± standard error in its track")
+    x = range(1, len(names) + 1)
+    draw_points(axes, (x, values, errors), label="each, ± standard error in its track")
     mean = motion.estimates["speed"]
     if (ends := mean.interval()) and mean.value is not None:
         axes.axhline(mean.value, color=FITTED.colour, label="mean, and where it lies with 95 %")
@@ -132,7 +132,7 @@ def draw_walkers(motion: Motion, title: str) -> Figure:
         axes.set_ylim(min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high))
     few = len(names) <= MAX_TRACKS
     if few:
-        axes.set_xticks(at, [str(name) for name in names])
+        axes.set_xticks(x, [str(name) for name in names])
     label_axes(axes, "walker" if few else "walkers, in the order of their numbers", "speed (mm/s)")
     axes.legend()
     return figure

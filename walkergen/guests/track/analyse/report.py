@@ -118,7 +118,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
 
 
 def _format_with_scale(number: Quantity, motion: Motion) -> str:
-    """Format a value with its error and, if the scale has one, the scale's error."""
+    """Format a value with its error and, if the film's scale has an error, the error due to it."""
     by_scale = facts.scale_se(number, motion)
     scale = f" ± {formatting.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
     return quantity_format.format_value(number) + scale
@@ -139,7 +139,7 @@ def _plate_speed_table(motion: Motion) -> Table:
 
 def _walker_table(motion: Motion) -> Table:
     """Return the table of single walkers; the report prints the first ones."""
-    rows, alone = [], {walker.particle: walker for walker in motion.walkers}
+    rows, by_number = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
         speed, turning = (walker.mean(name) for name in WALKER_ESTIMATES)
         numbers = (speed.value, speed.se, *facts.interval_bounds(speed), turning.value, turning.se)
@@ -150,16 +150,16 @@ def _walker_table(motion: Motion) -> Table:
         Column("walker", lambda row: str(row[0])),
         Column("seen (s)", lambda row: formatting.format_number(row[1], 3), right=True),
         *(
-            Column(heading, _walker_cell(name, alone))
+            Column(heading, _walker_cell(name, by_number))
             for heading, name in zip(headings, WALKER_ESTIMATES, strict=False)
         ),
     ]
     return Table("walkers", rows, WALKER_COLUMNS, columns, "Walkers", read=rows[:MAX_WALKERS])
 
 
-def _walker_cell(name: str, alone: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
-    """Return a function from a row to the text of the walker's estimate `name`. `alone`: walkers by number."""
-    return lambda row: quantity_format.format_value(alone[row[0]].mean(name))
+def _walker_cell(name: str, by_number: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
+    """Return a function that formats the estimate `name` of the walker of a row, whose first cell is its number."""
+    return lambda row: quantity_format.format_value(by_number[row[0]].mean(name))
 
 
 def _describe_line(motion: Motion) -> Iterator[str]:

@@ -93,11 +93,11 @@ class AnalyseRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "AnalysisReport":
-        """Measure the walkers; the report of a crowd is a plain one."""
+        """Measure single walkers or, with `dish`, a crowd, whose report has another class."""
         if isinstance(self.tracks, Path):
             return self._measure_file(self.tracks, progress)
-        with tempfile.TemporaryDirectory() as place:
-            path = Path(place) / UNNAMED_TRACKS
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / UNNAMED_TRACKS
             path.write_text(_to_csv(self.tracks), encoding="utf-8")
             try:
                 return self._measure_file(path, progress)

@@ -94,7 +94,7 @@ class Appearance(NamedTuple):
         return np.asarray(slope * gain, np.float32)
 
     def _light_and_gain(self, frame: Grey) -> tuple[float, Floats]:
-        """Return the frame's light over the still picture's, and the factor from brightness to contrast by pixel."""
+        """Return the frame's brightness over `picture`'s, and for each pixel the factor from brightness to contrast."""
         step = max(1, int(np.sqrt(frame.size / MEDIAN_PIXELS)))
         few = np.s_[::step, ::step]
         lamp = float(np.median(frame[few] / np.maximum(self.picture[few], 1.0)))
@@ -138,9 +138,9 @@ def learn_appearance(
 
 
 def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:
-    """Measure the appearance of dark, or of light walkers, in the widest window. Width 0 unless smaller windows agree.
+    """Measure the appearance of `dark` (else light) walkers in the widest window. Width 0 unless smaller windows agree.
 
-    The gaps between walkers also stand out, on their other side, but are as wide as the window allows.
+    With the wrong `dark`, the gaps between walkers stand out. But these are as wide as the window allows.
     """
     widest = MAX_WINDOW_SHARE * min(picture.shape)
     looks = [
@@ -184,7 +184,7 @@ def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: floa
 
 
 def _frame_noise(fields: Sequence[Floats]) -> float:
-    """Estimate the deviation of contrasts between frames, an array each, by the median change, since little moves."""
+    """Estimate the noise (sd) of contrasts in frames, an array each, from the median change: most pixels are still."""
     steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
@@ -192,7 +192,7 @@ def _frame_noise(fields: Sequence[Floats]) -> float:
 def _widest_spots(
     fields: Sequence[Floats], slopes: Sequence[Floats], thresholds: Sequence[float]
 ) -> Iterator[tuple[float, float]]:
-    """Yield, for each threshold, median width (pixels) and contrast of the widest objects with a sharp edge."""
+    """Yield, for each threshold, median width (pixels) and contrast of the widest sharp-edged objects in all frames."""
     for threshold in thresholds:
         spots = [
             spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp_spots(field, slope, threshold)
@@ -216,7 +216,7 @@ def _sharp_spots(field: Floats, slope: Floats, threshold: float) -> Iterator[tup
 
 
 def connected_pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:
-    """Yield the connected pieces of a mask: the box of each, and the piece alone within this box.
+    """Yield the connected pieces of a mask: the box of each, and the piece alone in this box, padded by one pixel.
 
     Pieces narrower than `width` (pixels) are left out, as are those at the mask's border, such as a table around it.
     """

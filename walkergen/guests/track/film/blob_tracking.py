@@ -1,4 +1,4 @@
-"""Tracking of walkers without markers: look, find, link, head."""
+"""Tracking of walkers without markers: appearance, search in each frame, linking to tracks, headings."""
 
 import math
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ class Unmarked(NamedTuple):
     look: Appearance
     linked: Linked
     straight: Sequence[Track]
-    """The same walkers by a lens that does not bend."""
+    """The same walkers, corrected for lens distortion."""
     shake: Shake
     still: int
     """Number of frames without movement since the frame before."""
@@ -57,8 +57,8 @@ def track(
     scale = find_scale(request, _walker_length(linked, straight))
     by: heading.By = "mark" if request.heading == "mark" else "motion"
     walkers = [
-        _make_walker(number, seen, own, by, film, part, scale.number)
-        for number, (seen, own) in enumerate(zip(linked.walkers, straight, strict=True))
+        _make_walker(number, seen, corrected, by, film, part, scale.number)
+        for number, (seen, corrected) in enumerate(zip(linked.walkers, straight, strict=True))
     ]
     looked = len(frames.blobs)
     tracked = Tracked(film, request, lens, part, frames.picture, frames.clock, looked, walkers, scale)
@@ -108,7 +108,7 @@ def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
 
 
 def _undistort(seen: Track, lens: Lens | None, part: Box) -> Track:
-    """Correct a walker for the lens, if any. `part`: searched part, where its pixels count from."""
+    """Correct a walker for the lens, if any. `part`: searched part of the frame, from whose corner its pixels count."""
     return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
@@ -142,19 +142,22 @@ def _make_walker(
     raw, true = (np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs))
     position = scale * np.column_stack([true[:, 0], film.height - true[:, 1]])
     headings = heading.find_headings(straight, by)
-    outlines = [_make_outline(seen, at, raw[at], headings.theta[at]) for at in (0, -1)]
+    outlines = [_make_outline(seen, index, raw[index], headings.theta[index]) for index in (0, -1)]
     size = float(np.median(seen.blobs.length))
     return Walker(number, seen.frames, raw, position, headings.theta, headings.how, size, (outlines[0], outlines[1]))
 
 
-def _make_outline(seen: Track, at: int, middle: Array, theta: float) -> Outline:
-    """Build the box or ellipse around a walker, and the arrow at its front, in the frame with index `at` of `seen`."""
+def _make_outline(seen: Track, index: int, middle: Array, theta: float) -> Outline:
+    """Build the box or ellipse around a walker, and the arrow at its front, in one frame: number `index` of `seen`.
+
+    `middle`: its centre, pixels of the whole frame, y down. `theta`: its heading, rad, y up.
+    """
     blobs = seen.blobs
     shape = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])
     if np.median(blobs.length / blobs.width) < MIN_ELONGATION:
         angles = np.linspace(0.0, 2.0 * np.pi, 60)
         shape = np.column_stack([np.cos(angles), np.sin(angles)])
-    c, s = np.cos(blobs.axis[at]), np.sin(blobs.axis[at])
-    rim = (0.5 * shape * (blobs.length[at], blobs.width[at])) @ np.array([[c, -s], [s, c]])
-    ahead = blobs.length[at] * np.array([np.cos(theta), -np.sin(theta)])
-    return Outline(rim + middle, middle + np.outer((0.5, 0.85), ahead))
+    c, s = np.cos(blobs.axis[index]), np.sin(blobs.axis[index])
+    rim = (0.5 * shape * (blobs.length[index], blobs.width[index])) @ np.array([[c, -s], [s, c]])
+    ahead = blobs.length[index] * np.array([np.cos(theta), -np.sin(theta)])
+    return Outline(rim + middle, middle + np.outer((0.5, 0.85), ahead))  # the arrow starts at the front

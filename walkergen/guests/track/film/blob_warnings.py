@@ -168,15 +168,15 @@ def shadow_pull(walkers: Sequence[Track]) -> float:
 def size_change(walkers: Sequence[Track]) -> tuple[Quantity, float]:
     """Return the relative change of a walker's size over the places that walkers reach: perspective, or a lens.
 
-    Returns also the deviation of the rest, between frames and as walkers turn. A plane and a bowl are fitted to the
-    logarithm of the size, each walker with its own size.
+    Returns also the standard deviation of the remaining changes, between frames and as walkers turn. A plane and a bowl
+    are fitted to the logarithm of the size, each walker with its own size.
     """
     blobs = _join_blobs(walkers)
     owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
-    place = np.column_stack([blobs.x, blobs.y])
-    place -= place.mean(axis=0)
-    place /= np.abs(place).max() or 1.0
-    terms = np.column_stack([place, (place**2).sum(axis=1)])
+    position = np.column_stack([blobs.x, blobs.y])
+    position -= position.mean(axis=0)
+    position /= np.abs(position).max() or 1.0
+    terms = np.column_stack([position, (position**2).sum(axis=1)])
     size = 0.5 * np.log(blobs.area)
     slopes = np.array([_subtract_means(term, owner) for term in terms.T])
     changes = _subtract_means(size, owner)
@@ -193,7 +193,7 @@ def size_change(walkers: Sequence[Track]) -> tuple[Quantity, float]:
 
 
 def _subtract_means(values: Array, owner: Whole) -> Array:
-    """Subtract from each value the mean of its walker. `owner`: number of its walker. Shapes: (n,)."""
+    """Subtract from each value the mean of its walker. `owner`: index of the walker of each value. Shapes: (n,)."""
     means = np.bincount(owner, values) / np.bincount(owner)
     return np.asarray(values - means[owner])
 

@@ -110,8 +110,8 @@ def _coverage(mask: Mask, field: Floats) -> Floats:
 def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
     """Return the offset (x, y, pixels) of a blob from its core, where the contrast `field` is high, due to a shadow."""
     core = ndimage.binary_fill_holes(piece & (field > MIN_CORE_CONTRAST * np.quantile(field[piece], CORE_QUANTILE)))
-    (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
-    return float(col - own_col), float(row - own_row)
+    (row, col), (core_row, core_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
+    return float(col - core_col), float(row - core_row)
 
 
 def _fill_holes(piece: Mask, width: float) -> Mask:
@@ -134,11 +134,14 @@ def _open_mask(piece: Mask, radius: float) -> Mask:
 
 
 def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
-    """Measure centre, axis and extents of a blob from the covered share of pixels, from column `left` and row `top`."""
+    """Measure centre, axis and extents of a blob. `covered`: share of each pixel that it covers, shape (rows, columns).
+
+    The first pixel of `covered` is in column `left` and row `top` of the frame.
+    """
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
     area = float(weight.sum())
-    middle_x, middle_y = (float((weight * at).sum()) / area for at in (cols, rows))
+    middle_x, middle_y = (float((weight * place).sum()) / area for place in (cols, rows))
     x, y = cols - middle_x, middle_y - rows  # y upward
     # No dot product: threads that share one cost more than it, and sum in another order.
     xx, xy, yy = (float((weight * a * b).sum()) for a, b in ((x, x), (x, y), (y, y)))

@@ -47,7 +47,7 @@ def draw_check(tracked: Tracked) -> Figure:
 
 
 def _draw_walker(axes: Axes, walker: Walker, first: int, colour: str) -> None:
-    """Draw track and number of a walker, and its outline and front where it was first and last seen."""
+    """Draw a walker's track and number, and its outlines where first seen (solid if in frame `first`) and last seen."""
     gaps = np.flatnonzero(np.diff(walker.frames) > 1) + 1
     x, y = (np.insert(values, gaps, np.nan) for values in walker.pixels.T)
     axes.plot(x, y, color=colour, lw=1.2, path_effects=HALO)

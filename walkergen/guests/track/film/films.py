@@ -258,7 +258,7 @@ def _message_lines(messages: IO[bytes]) -> list[str]:
 
 
 def _last_message(messages: IO[bytes]) -> str:
-    """Return the last of ffmpeg's lines."""
+    """Return the last line of ffmpeg's messages that is not empty, cut to 120 characters."""
     return next((line[:120] for line in reversed(_message_lines(messages)) if line), "no reason is given")
 
 

@@ -85,7 +85,10 @@ def _mark_votes(axis: Array, mark: Array) -> float:
 
 
 def _distance_ahead(axis: Array, walker: Track, part: slice) -> float:
-    """Return the signed distance (pixels) along the axis in a part of a track, or 0 if it is too short to decide."""
+    """Return how far (pixels) a walker runs forward along its `axis` (rad) in a part of its track, or 0 if too short.
+
+    It is negative if the walker runs backward, so that its sign tells the front. `axis`: in the frames of the part.
+    """
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])
     run = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))

@@ -33,7 +33,7 @@ STRETCH_STEP_PX = 1.0
 
 
 class Lens(NamedTuple):
-    """Lens of a camera, for pictures of one size; as text and numbers alone, for a manifest."""
+    """Lens of a camera, for pictures of one size. Its fields are plain numbers, for a manifest in JSON."""
 
     width: int
     """Width of the pictures it was calibrated with, pixels."""
@@ -89,32 +89,32 @@ class Lens(NamedTuple):
     def undistort_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
         """Correct blobs for lens distortion: places, directions, lengths and areas.
 
-        `offset` is the place of their upper left corner in the whole picture, pixels.
+        `offset`: position (x, y) in the whole picture of the pixel from which the blobs' positions count.
         """
         places = np.column_stack([blobs.x, blobs.y]) + offset + 0.5
 
-        def along(angle: Array) -> Array:
-            """Return the corrected images of unit vectors at these angles, shape (n, 2)."""
+        def undistort_vectors(angle: Array) -> Array:
+            """Return the images after correction, shape (n, 2), of unit vectors at these angles (rad) at the blobs."""
             step = STRETCH_STEP_PX * np.column_stack([np.cos(angle), -np.sin(angle)])
-            ways = self.undistort(places + step) - self.undistort(places - step)
-            return np.asarray(0.5 * ways / STRETCH_STEP_PX)
+            vectors = self.undistort(places + step) - self.undistort(places - step)
+            return np.asarray(0.5 * vectors / STRETCH_STEP_PX)
 
-        def direction(angle: Array) -> Array:
-            """Return the directions of angles after correction, NaN where unknown."""
+        def undistort_angles(angle: Array) -> Array:
+            """Return corrected directions (rad), shape (n,), NaN where unknown."""
             known = ~np.isnan(angle)
-            way = along(np.where(known, angle, 0.0))
-            turned = angle + np.angle(np.exp(1j * (np.arctan2(-way[:, 1], way[:, 0]) - angle)))
+            vector = undistort_vectors(np.where(known, angle, 0.0))
+            turned = angle + np.angle(np.exp(1j * (np.arctan2(-vector[:, 1], vector[:, 0]) - angle)))
             return np.where(known, turned, np.nan)
 
-        ahead, across = along(blobs.axis), along(blobs.axis + 0.5 * math.pi)
+        ahead, across = undistort_vectors(blobs.axis), undistort_vectors(blobs.axis + 0.5 * math.pi)
         x, y = (self.undistort(places) - np.array(offset) - 0.5).T
         area = np.abs(ahead[:, 0] * across[:, 1] - ahead[:, 1] * across[:, 0])
         return blobs._replace(
             x=x,
             y=y,
             area=blobs.area * area,
-            axis=direction(blobs.axis),
-            mark=direction(blobs.mark),
+            axis=undistort_angles(blobs.axis),
+            mark=undistort_angles(blobs.mark),
             length=blobs.length * np.linalg.norm(ahead, axis=1),
             width=blobs.width * np.linalg.norm(across, axis=1),
         )
@@ -138,7 +138,7 @@ def read_lens(path: Path) -> Lens:
 
 
 def _parse_numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
-    """Parse the numbers of the key `name`, in rows or not, as many as in `counts`. Raises InputError."""
+    """Parse the numbers of the key `name`, nested in rows or not. Raises InputError unless their count is allowed."""
     value = data.get(name)
     if isinstance(value, dict):
         value = value.get("data")

@@ -97,11 +97,14 @@ def typical_area(areas: Array) -> float:
 
 
 def _link_numbers(frames: Sequence[Sequence[Blob]], radius: float, memory: int) -> list[list[int]]:
-    """Return the walker of each blob, linked over `radius` (pixels) and `memory` (frames). Raises InputError."""
+    """Return the number of the walker of each blob, a list for each frame. Raises InputError if there are too many.
+
+    `radius`: largest step between frames, pixels. `memory`: frames for which a lost walker is remembered.
+    """
     import trackpy
 
     trackpy.quiet()
-    places = ((at, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2)) for at, frame in enumerate(frames))
+    places = ((t, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2)) for t, frame in enumerate(frames))
     try:
         # Strategies compiled by numba would take longer to compile than any film takes to link.
         linked = trackpy.link_iter(places, radius, memory=memory, link_strategy="nonrecursive")

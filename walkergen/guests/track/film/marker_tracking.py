@@ -57,7 +57,7 @@ class Marked(NamedTuple):
 
     plane: Plane
     straight: Sequence[Array]
-    """Corners of each walker's marker by a lens that does not bend, shape (n, 4, 2), pixels; see `markers.Sighted`."""
+    """Corners of each walker's marker, corrected for the lens, shape (n, 4, 2), pixels; see `markers.Sighted`."""
     left_out: LeftOut
     empty: Whole
     """Numbers of the frames without a marker."""
@@ -98,17 +98,19 @@ def track(film: Film, part: Box, request: TrackFields, lens: Lens | None, progre
 
 
 def _make_walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
-    """Build a walker from the corners of its marker in the picture, and their pose in the plane."""
-    ways = corners - np.roll(corners, 1, axis=1)
-    side_px = float(np.median(np.hypot(ways[..., 0], ways[..., 1])))
+    """Build a walker from the `pose` of its marker in the plane, and its corners in the picture.
+
+    `corners`: shape (frames, 4, 2), pixels, in order around the marker, the first two at its front.
+    """
+    sides = corners - np.roll(corners, 1, axis=1)
+    side_px = float(np.median(np.hypot(sides[..., 0], sides[..., 1])))
     middles, outlines = corners.mean(axis=1), []
-    for at in (0, -1):
-        square = corners[at]
-        ahead = 0.5 * (square[0] + square[1]) - middles[at]
-        outlines.append(Outline(square[[0, 1, 2, 3, 0]], middles[at] + np.outer((1.4, 2.6), ahead)))
-    theta = unwrap(pose.headings)
-    ends = (outlines[0], outlines[1])
-    return Walker(number, frames, middles, pose.places, theta, "its marker", side_px, ends)
+    for index in (0, -1):
+        square = corners[index]
+        ahead = 0.5 * (square[0] + square[1]) - middles[index]
+        outlines.append(Outline(square[[0, 1, 2, 3, 0]], middles[index] + np.outer((1.4, 2.6), ahead)))
+    theta, first_and_last = unwrap(pose.headings), (outlines[0], outlines[1])
+    return Walker(number, frames, middles, pose.places, theta, "its marker", side_px, first_and_last)
 
 
 class _Read(NamedTuple):
@@ -212,7 +214,7 @@ def _no_walker_reason(twice: Mapping[int, int], rare: Mapping[int, int], least: 
             f"{max(twice.values())} of {count} frames, and no other is left. Print each number once, or cover "
             "mirrors"
         )
-    counts = ", ".join(f"{number} in {own}" for number, own in list(rare.items())[:10])
+    counts = ", ".join(f"{number} in {frames}" for number, frames in list(rare.items())[:10])
     return (
         f"no marker is read in {least:.3g} of {count} frames ({counts}). Use more light, a "
         "shorter exposure or larger markers"

@@ -152,13 +152,13 @@ class Missing(NamedTuple):
     frames: int
     with_others: int
     """Number of missing frames with other readable markers."""
-    of: int
+    required: int
     """Number of frames that must contain the walker."""
 
     @property
     def share(self) -> float:
         """Missing frames over the frames that must contain the walker."""
-        return self.frames / self.of
+        return self.frames / self.required
 
 
 def count_missing(tracked: Tracked) -> list[Missing]:
@@ -168,20 +168,20 @@ def count_missing(tracked: Tracked) -> list[Missing]:
     in those before and after too: walkers enter only over the edge.
     """
     first = tracked.request.frames[0]
-    read = np.zeros(tracked.looked, int)
+    readings = np.zeros(tracked.looked, int)
     for walker in tracked.walkers:
-        read[walker.frames - first] += 1
+        readings[walker.frames - first] += 1
     counts = []
     for walker in tracked.walkers:
         seen = np.zeros(tracked.looked, bool)
         seen[walker.frames - first] = True
-        there = slice(
+        required = slice(
             0 if _is_inside(tracked, walker, 0) else int(walker.frames[0]) - first,
             None if _is_inside(tracked, walker, -1) else int(walker.frames[-1]) - first + 1,
         )
-        gone = ~seen[there]
-        with_others = gone & (read[there] > 0)
-        counts.append(Missing(walker.number, int(gone.sum()), int(with_others.sum()), len(gone)))
+        missing = ~seen[required]
+        with_others = missing & (readings[required] > 0)
+        counts.append(Missing(walker.number, int(missing.sum()), int(with_others.sum()), len(missing)))
     return counts
 
 
@@ -202,7 +202,7 @@ def _lost_warnings(tracked: Tracked) -> Iterator[str]:
                 else ""
             )
             yield (
-                f"walker {walker.number} is lost in {walker.frames} of {walker.of} frames "
+                f"walker {walker.number} is lost in {walker.frames} of {walker.required} frames "
                 f"({100.0 * walker.share:.0f} %){others}"
             )
 
@@ -211,8 +211,8 @@ def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
     """Yield a warning about missing numbers between those that were read, if most others were read."""
     out = found.left_out
     numbers = {walker.number for walker in tracked.walkers}
-    known = numbers | set(out.twice) | set(out.rare) | set(out.mirrored)
-    absent = [number for number in range(min(known), max(known)) if number not in known]
+    read = numbers | set(out.twice) | set(out.rare) | set(out.mirrored)
+    absent = [number for number in range(min(read), max(read)) if number not in read]
     if 0 < len(absent) < len(numbers):
         names = ", ".join(map(str, absent[:MAX_NAMES])) + (" ..." if len(absent) > MAX_NAMES else "")
         yield (
@@ -222,7 +222,7 @@ def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 
 def _format_counts(frames: Mapping[int, int]) -> str:
-    """Format numbers of frames by the number of the marker."""
+    """Format numbers of frames, by the number of the marker, as in "3 in 12, 7 in 2 ..."."""
     named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:MAX_NAMES])
     return named + (" ..." if len(frames) > MAX_NAMES else "")
 

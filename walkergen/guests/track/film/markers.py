@@ -73,14 +73,16 @@ class Reader:
 
 
 def refine_corners(frame: Grey, corners: Array) -> Array:
-    """Return corners at the edges of markers, shape (n, 4, 2), in pixels with whole numbers at their middles."""
+    """Move approximate corners of markers, shape (n, 4, 2), to their edges. Pixels have whole numbers in the middle."""
     for _ in range(REFINE_ROUNDS):
         corners = _refine_once(frame, corners)
     return corners
 
 
 def _refine_once(frame: Grey, squares: Array) -> Array:
-    """Return the corners where the edges of markers near `squares`, shape (n, 4, 2), meet, unchanged without an edge.
+    """Return the corners where the edges of markers meet, shape (n, 4, 2), searched near the corners `squares`.
+
+    Markers without clear edges keep their corners. Sides follow each other around a marker.
 
     Axes of arrays: marker, side, place along it, sample across it.
     """
@@ -128,7 +130,7 @@ def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
 
 
 def _intersect_lines(normal: Array, point: Array) -> Array:
-    """Return the corners where the line of a side, by normal and point, meets the line before. Shapes: (n, 4, 2)."""
+    """Return the corners where the line of each side, by normal and point, meets the line before. Shapes: (n, 4, 2)."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)

@@ -52,10 +52,10 @@ class Plane(NamedTuple):
     def to_mm(self, pixels: Array) -> Array:
         """Map points of the picture, shape (..., 2), pixels, to the plane, mm.
 
-        The picture's middle lies as far from the plane's origin as from the lower left corner, times `mm_per_px`.
+        The origin is where the picture's lower left corner would be at the scale `mm_per_px` of its middle.
         """
-        corner = np.array([self.middle[0], self.middle[1]]) * self.mm_per_px
-        return corner + _map_points(self.terms, self._to_centred(pixels))
+        middle_mm = np.array([self.middle[0], self.middle[1]]) * self.mm_per_px
+        return middle_mm + _map_points(self.terms, self._to_centred(pixels))
 
     @property
     def mm_per_px(self) -> float:
@@ -105,6 +105,7 @@ def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
     start = side / float(np.median(sides))
 
     def residuals(terms: Array) -> Array:
+        """Return the offsets of all corners from squares, pixels, then the weighted perspective terms."""
         off, sizes = _square_offsets(_map_points(terms, points), points, side)
         return np.append((half * off / sizes[:, None, None]).ravel(), PERSPECTIVE_PRIOR_PX * terms[3:])
 
@@ -150,9 +151,10 @@ def _map_points(terms: Array, points: Array) -> Array:
 
 
 def _square_offsets(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
-    """Return the offsets of corners from the best square of `side`, and the plane's length over the picture's.
+    """Return the offsets of corners from the best-fitting squares of `side`, and the scales, plane over picture.
 
-    `mapped`, `points`: corners in the plane and in the picture, shape (n, 4, 2). Shapes of results: (n, 4, 2), (n,).
+    `mapped`, `points`: corners in the plane and in the picture, shape (n, 4, 2), in the order of UNIT_SQUARE. Shapes of
+    results: (n, 4, 2) in the unit of `mapped`, and (n,).
     """
     centred = mapped - mapped.mean(axis=1, keepdims=True)
     turn = _turn_angles(centred)

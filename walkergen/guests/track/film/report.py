@@ -116,7 +116,7 @@ def track_rows(tracked: Tracked) -> list[tuple[Any, ...]]:
             walker.frames.tolist(), walker.position.tolist(), walker.theta.tolist(), strict=True
         ):
             place = (x, y, None if math.isnan(theta) else theta)
-            scale = tracked.mm_per_px[2:4]
+            scale = (tracked.mm_per_px.value, tracked.mm_per_px.se)
             rows.append((frame, walker.number, *place, float(tracked.clock.times[frame]), *place, *scale))
     return sorted(rows, key=lambda row: row[:2])
 
