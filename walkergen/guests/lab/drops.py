@@ -48,7 +48,7 @@ class Rebound(NamedTuple):
     ratio: float | None
     """sqrt(h_2 / h_1); None when the walker fell over or a leg folded before it rose."""
     fell: bool
-    """Whether that happened until the end of a perfect bounce."""
+    """Whether the walker fell over, or a leg folded, in the simulated time: that of a perfect bounce."""
 
 
 class Rebounds(NamedTuple):

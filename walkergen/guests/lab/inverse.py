@@ -48,7 +48,7 @@ class Answer(NamedTuple):
     text: str
     """The range as text."""
     branches: Sequence[Branch]
-    """Ranges that agree with it."""
+    """Ranges that agree with the measured number."""
     everywhere: bool = False
     """True if the whole curve agrees, so that the test determines nothing."""
 

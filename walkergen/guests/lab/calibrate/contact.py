@@ -116,9 +116,9 @@ def rebound(readings: Readings) -> Rebound | None:
     stated = np.array([flight.stated for flight in flights])
     errors = ratios * np.hypot(stated / seconds, 0.5 * POSITION_SD_MM / heights)
     tries = np.array([flight.tries for flight in flights])
-    shares = tries / tries.sum()
-    number = Quantity("rebound", "", float(shares @ ratios), float(np.hypot.reduce(shares * errors)))
-    return Rebound(Measured(number, int(tries.sum())), float(shares @ heights), _drop_scatter(flights, seconds, ratios))
+    weight = tries / tries.sum()
+    number = Quantity("rebound", "", float(weight @ ratios), float(np.hypot.reduce(weight * errors)))
+    return Rebound(Measured(number, int(tries.sum())), float(weight @ heights), _drop_scatter(flights, seconds, ratios))
 
 
 def stated_rebound(request: CalibrateFields) -> Rebound:

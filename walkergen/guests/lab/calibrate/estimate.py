@@ -66,9 +66,10 @@ class Single(NamedTuple):
 
 
 def weighted_mean(name: str, singles: Sequence[Single], sets: tuple[str, ...]) -> Estimate | None:
-    """Return the mean of single numbers, weighted by their errors, or None without any. `sets`: keys that it sets.
+    """Return the mean of single numbers, weighted by their inverse variances, or None without any.
 
-    Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge).
+    Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge). `sets`: keys of design
+    and scene for value and error.
     """
     if not singles:
         return None

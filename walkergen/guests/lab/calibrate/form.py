@@ -204,8 +204,8 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
     if name == FILMED_ANGLE and not film:
         raise InputError(f"{name} needs the column {TRACKS_COLUMN}: the tracks.csv of the slide's film")
     value, what = _parse_number("reading", row["reading"], 1e5, allow_zero=True), "reading"
-    differs = "unloaded_mm" in kind.needs
-    if differs:
+    is_difference = "unloaded_mm" in kind.needs
+    if is_difference:
         value, what = abs(value - conditions["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
     if not kind.least < value <= kind.most:
         raise InputError(f"{name}: {what} = {value:g}: must be > {kind.least:g} and <= {kind.most:g}{kind.slip}")
@@ -215,7 +215,7 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
     if not row["error"].strip():
         raise InputError(f"{name}: no error. Write the standard deviation of a reading, such as {kind.error:g}")
     error = _parse_number("error", row["error"], 1e5)
-    error *= math.sqrt(2.0) if differs else 1.0  # of a deflection: a difference of two readings
+    error *= math.sqrt(2.0) if is_difference else 1.0  # both readings have this error
     return _Condition(part, name, conditions["weight_g"], conditions["at_mm"], film), value, error
 
 

@@ -150,7 +150,7 @@ def _strip_notes(moduli: Moduli) -> list[str]:
     notes = []
     if not moduli.fit.agrees:
         notes.append("the strips disagree beyond their errors, which increases the error of the modulus")
-    if (ring := moduli.ring_over_bend) is not None and ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
+    if (ring := moduli.ring_over_bend) is not None and ring.compare_with_range(low=0.0, high=0.0) is Verdict.DISAGREE:
         excess, sd = ring.pair
         cause = (
             "creep under the weight, or a density too high"
@@ -161,7 +161,7 @@ def _strip_notes(moduli: Moduli) -> list[str]:
             f"the modulus from the ring differs by {excess:+.0f} ± {sd:.0f} % from that under weights: {cause}. "
             "Legs swing as fast as the ring or faster; ‹by=›ring uses the ring alone"
         )
-    if (offset := moduli.offset) is not None and offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
+    if (offset := moduli.offset) is not None and offset.compare_with_range(low=0.0, high=0.0) is Verdict.DISAGREE:
         added, sd = offset.pair
         notes.append(
             f"{added:+.3f} ± {sd:.3f} mm on every thickness would make the strips agree best: "

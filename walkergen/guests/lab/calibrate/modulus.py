@@ -67,7 +67,7 @@ class Point(NamedTuple):
 
 
 class Moduli(NamedTuple):
-    """Results of the strips."""
+    """Young's modulus: fitted to all strips, of each strip, and two checks (`ring_excess` and `thickness_offset`)."""
 
     fit: Estimate
     """Young's modulus that they agree on."""

@@ -25,7 +25,7 @@ THUMBNAIL_DPI = 26
 
 
 class Piece(NamedTuple):
-    """Part in its place on the bed, with the findings of its checks."""
+    """Part as it lies on the bed, with the findings of its checks."""
 
     name: str
     mesh: Mesh

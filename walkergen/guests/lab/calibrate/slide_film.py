@@ -49,20 +49,20 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     times, places = seen[int(distances.argmax())]
     if len(times) < MIN_FRAMES:
         raise InputError(f"{name}: {len(times)} frames: must be at least {MIN_FRAMES} of a slide")
-    gained, error, change, change_error = _acceleration(times, places)
+    acceleration, error, change, change_error = _acceleration(times, places)
     angle, angle_error = math.radians(angle_deg), math.radians(error_deg)
-    along = GRAVITY * math.cos(angle)
-    if abs(change) > max(MAX_FRICTION_CHANGE * along, MIN_SIGNIFICANCE * change_error):
+    normal = GRAVITY * math.cos(angle)
+    if abs(change) > max(MAX_FRICTION_CHANGE * normal, MIN_SIGNIFICANCE * change_error):
         raise InputError(
-            f"{name}: the friction seems to change by {abs(change) / along:.2g} along the path: "
+            f"{name}: the friction seems to change by {abs(change) / normal:.2g} along the path: "
             "does the film begin before the slide, or continue after it? Cut it with track ‹frames›"
         )
-    value = math.tan(angle) - gained / along
-    angle_part = (1.0 - gained / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error
-    total = math.hypot(angle_part, error / along, gained / along * (read.scale_se or 0.0))
+    value = math.tan(angle) - acceleration / normal
+    angle_part = (1.0 - acceleration / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error
+    total = math.hypot(angle_part, error / normal, acceleration / normal * (read.scale_se or 0.0))
     if value <= 0.0:
         raise InputError(
-            f"{name}: gains {gained:.3g} mm/s2. Without friction it would gain {GRAVITY * math.sin(angle):.3g}. "
+            f"{name}: gains {acceleration:.3g} mm/s2. Without friction it would gain {GRAVITY * math.sin(angle):.3g}. "
             "Are angle, millimetres and frames a second right?"
         )
     return Quantity("friction", "", value, total)

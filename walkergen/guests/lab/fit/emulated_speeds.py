@@ -1,8 +1,8 @@
 """Emulated speeds: short simulated runs over the parameters, and a Gaussian process through them.
 
 Every setting (a walker on a plate) has an emulator of its own. One over tilt as well predicts
-speeds left out no better (rms 9 to 11 mm/s at 10 deg with 64 walkers a tilt), and its errors are
-wrong: the scatter of prints, which it takes as one, falls from 13 mm/s at 8 deg to 1.4 at 35 deg.
+speeds left out no better (rms 9 to 11 mm/s at 10 deg with 64 walkers a tilt). Its errors are wrong, because it takes
+the scatter between printed walkers as equal at all tilts. That falls from 13 mm/s at 8 deg to 1.4 at 35 deg.
 """
 
 import math
@@ -55,7 +55,7 @@ class FitInputs(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Speed of a setting over the parameters: its mean over prints, and their scatter."""
+    """Callable that predicts the speed of a setting from the parameters: mean over printed walkers, and scatter."""
 
     emulator: Emulator
     floor: float

@@ -21,7 +21,7 @@ from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
 
 class SurrogateSpeed(NamedTuple):
-    """Speed of a setting over the parameters, from the surrogate."""
+    """Callable that predicts the speed of a setting from the parameters. `known`: its case for the surrogate."""
 
     setting: Setting
     known: surrogate.Known

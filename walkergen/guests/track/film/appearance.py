@@ -130,11 +130,11 @@ def learn_appearance(
     blurs = [blur for blur in BLURS if blur <= MAX_BLUR_SHARE * look.width]
     fields = [[look._replace(blur=blur).contrasts(sample) for sample in samples] for blur in blurs]
     noises = [_frame_noise(field) for field in fields]
-    enough = [at for at, noise in enumerate(noises) if NOISE_FACTOR * noise <= 0.5 * look.contrast]
-    at = enough[0] if enough else -1
-    look = look._replace(blur=blurs[at], noise=noises[0])
+    enough = [index for index, noise in enumerate(noises) if NOISE_FACTOR * noise <= 0.5 * look.contrast]
+    chosen = enough[0] if enough else -1
+    look = look._replace(blur=blurs[chosen], noise=noises[0])
     slopes = [look.slopes(sample) for sample in samples]
-    return look._replace(width=width or next(_widest_spots(fields[at], slopes, (look.threshold,)))[0])
+    return look._replace(width=width or next(_widest_spots(fields[chosen], slopes, (look.threshold,)))[0])
 
 
 def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:

@@ -84,7 +84,7 @@ def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progr
         films.check_frame_count(len(samples), request.frames[0])
         look = appearance.learn_appearance(samples, dark, request.threshold, request.width)
         near = [blob for grey in samples for blob in find_blobs(grey, look, marked=False)]
-        points = camera.find_fixed_points(samples, look, near)
+        points = camera.find_fixed_points(samples, near)
         blobs: list[list[Blob]] = []
         shifts: list[Array] = []
         for number, grey in enumerate(chain(samples, reel.frames)):

@@ -98,7 +98,7 @@ def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
 
 
 def _coverage(mask: Mask, field: Floats) -> Floats:
-    """Return the share of each pixel that a walker covers: 1 inside, at its edge by the contrasts in `field`."""
+    """Return the share of each pixel that a walker covers: 1 inside its mask, by the contrasts `field` at its edge."""
     near = ndimage.binary_dilation(mask, EIGHT_NEIGHBOURS)
     deep = ndimage.binary_erosion(mask, EIGHT_NEIGHBOURS, iterations=2)
     level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place

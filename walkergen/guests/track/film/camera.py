@@ -13,7 +13,6 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.core.numerics import Array, Mask
-from walkergen.guests.track.film.appearance import Appearance
 from walkergen.guests.track.film.blobs import Blob
 from walkergen.guests.track.film.films import Grey
 
@@ -56,7 +55,7 @@ class Shake(NamedTuple):
     """Largest distance from the middle."""
 
 
-def find_fixed_points(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> FixedPoints | None:
+def find_fixed_points(samples: Sequence[Grey], walkers: Sequence[Blob]) -> FixedPoints | None:
     """Find the steepest points of the first frames, `samples`, away from `walkers`. None if there are too few."""
     blurred = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), BLUR_PX, output=float)
     first, last = (ndimage.gaussian_filter(samples[at], BLUR_PX, output=float) for at in (0, -1))

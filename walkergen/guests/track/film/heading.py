@@ -41,7 +41,7 @@ class Headings(NamedTuple):
 
 
 def find_headings(walker: Track, by: By) -> Headings:
-    """Find the headings of one walker, from its mark or its motion."""
+    """Find the headings of one walker. `by`: whether its mark or its motion decides which end is the front."""
     axis, mark = walker.blobs.axis, walker.blobs.mark
     elongation = float(np.median(walker.blobs.length / walker.blobs.width))
     seen = ~np.isnan(mark)

@@ -43,9 +43,9 @@ class LeftOut(NamedTuple):
     """Markers that were read and are in no track."""
 
     twice: Mapping[int, int]
-    """Frames with a number at two places, by the number left out for it."""
+    """Number of frames that show a marker number at two places, by this number, which is left out."""
     rare: Mapping[int, int]
-    """Frames of numbers that were read too rarely."""
+    """Number of frames, by marker number, of markers that were read too rarely."""
     bent: Mapping[int, int]
     """Sightings that are no squares in the plane of the others, by number."""
     mirrored: Sequence[int]
@@ -77,19 +77,19 @@ def track(film: Film, part: Box, request: TrackFields, lens: Lens | None, progre
     first, (side, side_se) = request.frames[0], request.marker_mm or (MARKER_MM, None)
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
     tracks, twice, rare = _sort_by_number(seen, first)
-    unbent = {number: corners if lens is None else lens.undistort(corners) for number, (_, corners) in tracks.items()}
-    flat = plane.fit_plane(np.concatenate([*unbent.values()]), side, film.width, film.height)
+    corrected = {key: corners if lens is None else lens.undistort(corners) for key, (_, corners) in tracks.items()}
+    flat = plane.fit_plane(np.concatenate([*corrected.values()]), side, film.width, film.height)
     walkers, straight, bent = list[Walker](), list[Array](), dict[int, int]()
-    poses = {number: plane.find_poses(flat, corners, side) for number, corners in unbent.items()}
-    sound = plane.is_square(np.concatenate([pose.off_px for pose in poses.values()]))
+    poses = {number: plane.find_poses(flat, corners, side) for number, corners in corrected.items()}
+    is_square = plane.is_square(np.concatenate([pose.off_px for pose in poses.values()]))
     for number, (frames, corners) in tracks.items():
-        good, sound = np.split(sound, [len(frames)])
+        good, is_square = np.split(is_square, [len(frames)])  # of this marker, and of those that follow
         if not good.all():
             bent[number] = int((~good).sum())
         if good.any():
             pose = Pose(*(values[good] for values in poses[number]))
             walkers.append(_make_walker(number, frames[good], corners[good], pose))
-            straight.append(unbent[number][good])
+            straight.append(corrected[number][good])
     side_px = float(np.median([walker.size_px for walker in walkers]))
     scale_se = flat.mm_per_px * math.hypot((side_se or 0.0) / side, EDGE_ERROR_PX / side_px)
     scale = Quantity("mm_per_px", "", flat.mm_per_px, scale_se)
@@ -168,11 +168,11 @@ class _Sorted(NamedTuple):
     """Markers of a film by their numbers."""
 
     tracks: dict[int, tuple[Whole, Array]]
-    """Frames, ascending, and corners of those that are walkers'."""
+    """Frame numbers, ascending, and corners of each walker's marker, by its number."""
     twice: dict[int, int]
-    """Frames with a number at two places, by the number left out for it."""
+    """Number of frames that show a marker number at two places, by this number, which is left out."""
     rare: dict[int, int]
-    """Frames of those that were read too rarely."""
+    """Number of frames, by marker number, of markers that were read too rarely."""
 
 
 def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:

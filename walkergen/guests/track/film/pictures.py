@@ -45,7 +45,7 @@ def _check_same(folder: Path, quality: str, counts: Counter[str]) -> None:
 
 
 def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
-    """Return the parts of a file's name, digits as numbers, to sort by."""
+    """Return a key that sorts files by their names, with digits compared as numbers."""
     parts = re.split(r"([0-9]+)", path.stem)
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts], path.name
 

@@ -31,7 +31,7 @@ class Remarks(NamedTuple):
 
 
 def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
-    """Compute the error of a place that changes from frame to frame, along an axis.
+    """Compute the part of a position's error that changes from frame to frame, along an axis.
 
     `tracks`: times, shape (n,), and places, shape (n, 2), of all frames, NaN where unknown. The error follows from each
     place's distance to the line between its neighbours: uneven motion adds to it, slow errors do not. NaN if too short.

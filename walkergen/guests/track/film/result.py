@@ -81,7 +81,7 @@ class Tracked(NamedTuple):
 
     @property
     def jitter_mm(self) -> float:
-        """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
+        """Part of a position's error that changes from frame to frame, mm; NaN for too few frames."""
         return quality.jitter([self._full_track(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
