@@ -1,6 +1,7 @@
 """Folders in the user's cache, for files that can be made again at any time.
 
-Kernels lie there as code that is run when it is read: a folder that anybody else can write to, or owns, is not used.
+Compiled kernels (functions that numba has compiled) are kept there. Loading one runs its code, so a folder that
+another user owns or can write to is not used.
 """
 
 import atexit
@@ -88,9 +89,9 @@ def suppress_compile_notice() -> Iterator[None]:
 
 
 def announce_compilation(place: Path) -> None:
-    """Announce once that the kernels of numba's cache folder `place` are being compiled, if that takes long.
+    """Print once that the kernels of numba's cache folder `place` are being compiled, if that takes long.
 
-    Processes of a pool leave it to the process that made them.
+    The folder's name begins with that of the sources' folder. Child processes of a pool print nothing.
     """
     from multiprocessing import parent_process
 
@@ -106,10 +107,10 @@ def announce_compilation(place: Path) -> None:
 
 
 def add_checksums(base: Any) -> Any:
-    """Return a class of numba's cache files, made from its own class `base`, that end in a checksum of their content.
+    """Return a subclass of `base`, numba's class of cache files, whose files end in a checksum of their content.
 
-    An entry that is unreadable, or does not match its checksum, counts as absent. It is compiled again and replaced. An
-    entry without a checksum is older than the checksums. A failed write of an entry is ignored.
+    An entry (the code of one signature) that is unreadable, or does not match its checksum, counts as absent. It is
+    compiled again and replaced. Entries of older versions have no checksum. A failed write of an entry is ignored.
     """
 
     class Checked(base):  # type: ignore[misc]
@@ -131,7 +132,7 @@ def add_checksums(base: Any) -> Any:
             """Load the index of the entries; empty if its file is damaged."""
             try:
                 return super()._load_index() if _is_intact(Path(self._index_path)) else {}
-            except Exception:  # what is no pickle raises anything
+            except Exception:  # a damaged pickle may raise any error
                 return {}
 
         def _load_data(self, name: str) -> Any:
@@ -188,7 +189,7 @@ def prepare_version_folder(name: str, version: str) -> Path:
                 shutil.rmtree(other, ignore_errors=True)
     except OSError:
         pass  # another process has removed it, or the clock cannot be set: nothing depends on it
-    if name == KERNEL_FOLDER and "numba" not in sys.modules:
+    if name == KERNEL_FOLDER and "numba" not in sys.modules:  # the folder becomes numba's cache
         _configure_numba_cache(found)
     return found
 

@@ -63,7 +63,7 @@ OPEN_GROUND = Dish("periodic", (MAX_SIZE_MM,))
 
 
 def parse_dish(text: str, source: str = "‹arena›") -> Dish:
-    """Parse a dish from a user's text, as in "disc:120". Raises InputError, beginning with `source`."""
+    """Parse a dish from a user's text, as in "disc:120". Raises InputError whose text begins with the key `source`."""
     kind, _, rest = text.partition(":")
     given = f"{source} = {text[:80]!r}"
     if kind not in SIZE_SYNTAX:

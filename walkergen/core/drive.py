@@ -238,7 +238,7 @@ class Drive(Section):
         return data
 
     def _drop_plate_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the data of a drive that has become a motor, without keys of a plate unless they were set."""
+        """Return a motor's `data`. If this drive is a plate, keep its frequency, and other keys if in `keys`."""
         if self.kind == "plate":
             data = {k: v for k, v in data.items() if k not in PLATE_KEYS or k in keys}
             return {"frequency_hz": self.frequency} | data

@@ -32,7 +32,7 @@ def spell_for_python(text: str) -> str:
 
 
 SPELLINGS: list[Spelling] = [spell_for_python]
-"""Spellings of the doors that are open; the last one is used."""
+"""Spellings in use: that of Python, then those of running commands or pages; the last one is used."""
 
 
 def spell(text: str) -> str:

@@ -35,7 +35,7 @@ class Experiment(Protocol):
     """An experiment: its runs are independent, and each is reproducible to the bit."""
 
     def prepare(self) -> OneRun[Any]:
-        """Return a function that makes the run with a given number, its seed, and returns the record of the run.
+        """Return a function (see `OneRun`) that makes one run and returns its record. The run's number is its seed.
 
         Work that all runs share is done first, on this thread: kernels are compiled, invalid input is refused.
         """
@@ -111,7 +111,7 @@ class Budget(NamedTuple):
 
 
 class Error(NamedTuple):
-    """Runs until a quantity has an error, or no more runs could help."""
+    """Rule: add runs until the error of the quantity in column `of` is at most `tolerance`, or cannot fall further."""
 
     tolerance: Tolerance
     of: str
@@ -122,7 +122,7 @@ class Error(NamedTuple):
     most: int = MAX_RUNS
 
     def max_error(self, value: float | None) -> float:
-        """Return the largest allowed error of the quantity in its unit. `value` is that of the quantity."""
+        """Return the largest allowed error of the quantity in its unit. `value` is the quantity's; None counts as 0."""
         tolerated, relative = self.tolerance
         return tolerated * max(abs(value or 0.0), self.floor) if relative else tolerated
 
@@ -142,7 +142,7 @@ class Error(NamedTuple):
         return measured.with_runs(min(self.most, runs))
 
     def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
-        """Return the experiment whose bias leaves room for the scatter of the runs so far; otherwise the finest."""
+        """Return the first finer experiment whose bias, estimated from the runs so far, is allowed; else the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
             quantity = measured._replace(experiment=experiment).quantities[self.of]

@@ -154,8 +154,8 @@ class Plate(Section):
     @property
     def elastic(self) -> Elastic:
         """Elastic constants of the plate: those of its material, with Young's modulus if that is given."""
-        own = PLATE_MATERIALS[self.material]
-        return own if self.youngs_modulus_gpa is None else own._replace(youngs_modulus_gpa=self.youngs_modulus_gpa)
+        elastic, modulus = PLATE_MATERIALS[self.material], self.youngs_modulus_gpa
+        return elastic if modulus is None else elastic._replace(youngs_modulus_gpa=modulus)
 
     @property
     def sways(self) -> bool:
@@ -476,8 +476,8 @@ class Scene(Section):
         Any
             The value; the default if the file does not have the key.
         """
-        table, _, own = key.partition(".")
-        return getattr(getattr(self, table), own)
+        table, _, name = key.partition(".")
+        return getattr(getattr(self, table), name)
 
     def is_zero(self, key: str) -> bool:
         """Return whether the number of a key, or all its numbers, are zero or not given.

@@ -74,8 +74,8 @@ def _continued_fraction(a: float, b: float, x: float) -> float:
     c, d = 1.0, 1.0 / (1.0 - (a + b) * x / (a + 1.0))
     value, change, m = d, 0.0, 0
     while abs(change - 1.0) > 1e-16:
-        m, at = m + 1, a + 2.0 * (m + 1)
-        for term in (m * (b - m) * x / ((at - 1.0) * at), -(a + m) * (a + b + m) * x / (at * (at + 1.0))):
+        m, a_2m = m + 1, a + 2.0 * (m + 1)
+        for term in (m * (b - m) * x / ((a_2m - 1.0) * a_2m), -(a + m) * (a + b + m) * x / (a_2m * (a_2m + 1.0))):
             c, d = 1.0 + term / c, 1.0 / (1.0 + term * d)
             change = c * d
             value *= change
@@ -85,12 +85,12 @@ def _continued_fraction(a: float, b: float, x: float) -> float:
 def _beta_prefactor(a: float, b: float, x: float, y: float) -> float:
     """Compute x^a y^b / B(a, b), with B the beta function and y = 1 - x, to full precision.
 
-    Deviations from its largest value lose no digits (Loader 2000, "Fast and accurate computation of binomial
-    probabilities").
+    It is computed from the ratios of x and y to a / (a + b) and b / (a + b), their values at its maximum (Loader 2000,
+    "Fast and accurate computation of binomial probabilities").
     """
     total, log = a + b, 0.0
     for part, share, deviation in ((a, x, b * x - a * y), (b, y, a * y - b * x)):
-        deviation /= part  # share over its likeliest, part / whole, less 1
+        deviation /= part  # share / (part / total) - 1
         log += part * (math.log1p(deviation) if abs(deviation) < 0.5 else math.log(share * total / part))
     log += _stirling_remainder(total) - _stirling_remainder(a) - _stirling_remainder(b)
     return math.sqrt(a * b / (2.0 * math.pi * total)) * math.exp(log)

@@ -1,4 +1,4 @@
-"""Compilation of kernels: by numba, cached on disk, without the interpreter lock.
+"""Compilation of kernels: Python functions that numba compiles, cached on disk, without the interpreter lock.
 
 numba's disk cache notices edits in the file of the compiled function but not in the files that
 it imports, and then returns old answers. So the cache lies in a folder named by a hash of all the
@@ -187,6 +187,7 @@ def _borrow_item(typing: Any, items: Any, i: Any) -> Any:
     getter, load = _list_getitem_borrowed._defn(typing, items, i)
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Emit the machine code of a call (numba's code generator of an intrinsic). Return its value."""
         some = builder.extract_value(load(context, builder, getter, arguments), 1)
         return context.cast(builder, some, getter.return_type[1], items.item_type)
 

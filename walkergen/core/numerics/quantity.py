@@ -75,7 +75,7 @@ class Quantity(NamedTuple):
     bias: float = 0.0
     """Largest error (95 %) that more values do not reduce, as of a time step; infinite if unknown."""
     ends: "tuple[float, float, float, float] | None" = None
-    """Ends of its bounds of 95, 68, 68 and 95 % where these are of draws, and not of its error."""
+    """Lower bounds of 95 and 68 %, then upper bounds of 68 and 95 %, if they come from draws and not from the error."""
 
     def __str__(self) -> str:
         unit = f" {UNIT_SYMBOLS.get(self.unit, self.unit)}".rstrip()
@@ -88,7 +88,8 @@ class Quantity(NamedTuple):
         ends = self.interval()
         if ends is None:
             return f"{text}, bounds unknown"
-        return f"{text}, with 95 % {' to '.join(formatting.format_to_error(min(self.se, 9.0), ends))}"
+        error = min(self.se, 9.0)  # so that bounds have one decimal or more
+        return f"{text}, with 95 % {' to '.join(formatting.format_to_error(error, ends))}"
 
     @property
     def known(self) -> bool:
@@ -132,12 +133,12 @@ class Quantity(NamedTuple):
         Parameters
         ----------
         confidence : float, default: 0.95
-            Between 0 and 1. Bounds of draws are those of 95 or 68 %.
+            Between 0 and 1. Bounds that come from draws are those of 95 %, below 0.95 those of 68 %.
 
         Returns
         -------
         tuple of float, or None
-            Lower and upper bound. A bias widens them in squares, below 0.95 by half of it.
+            Lower and upper bound. The bias, below 0.95 half of it, is added in quadrature.
         """
         if self.ends is not None and self.value is not None:
             return (self.ends[0], self.ends[3]) if confidence >= CONFIDENCE else self.ends[1:3]
@@ -209,7 +210,11 @@ class Quantity(NamedTuple):
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
     def _variance_bounds(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
-        """Return the bounds of a variance to which `noise` was added, or of a power of it."""
+        """Return the bounds of `value`. Its power `self.power` is a variance, to which `noise` was added.
+
+        The sum of variance and noise follows chi^2. If only large variances are reported (`self.least`), the lower
+        bound is iterated to allow for this selection.
+        """
         from scipy import special
 
         free, tail = self.freedom, 0.5 - 0.5 * confidence
@@ -217,7 +222,7 @@ class Quantity(NamedTuple):
         scales = [total / special.chdtri(free, tail), total / special.chdtri(free, 1.0 - tail)]
         if not np.isfinite(scales).all():  # hardly any freedom
             return math.nan, math.nan
-        # so that a larger one, given that it is reported, has this chance
+        # Lower bound: the variance at which a reported value exceeds this one with the probability `tail`
         for _ in range(BOUND_ITERATIONS if self.least else 0):
             if scales[0] > noise:
                 chance = special.chdtrc(free, self.least * free / scales[0])
@@ -269,13 +274,13 @@ class Quantity(NamedTuple):
         """
         if self.value is None or other.value is None:
             return self._replace(value=None, se=None, refused=self.refused or other.refused or "no value")
-        gap = self.value - other.value
+        difference = self.value - other.value
         if self.se is None or other.se is None:
-            return Quantity(self.key, self.unit, gap, None, refused=self.refused or other.refused)
+            return Quantity(self.key, self.unit, difference, None, refused=self.refused or other.refused)
         se = math.hypot(self.se, other.se)
         parts = self.se**4 / self.freedom + other.se**4 / other.freedom
         freedom, bias = se**4 / parts if parts > 0.0 else math.inf, math.hypot(self.bias, other.bias)
-        return Quantity(self.key, self.unit, gap, se, freedom, bias=bias)
+        return Quantity(self.key, self.unit, difference, se, freedom, bias=bias)
 
 
 def column_values(row: Any, *levels: int) -> dict[str, Any]:

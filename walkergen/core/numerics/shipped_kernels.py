@@ -93,10 +93,10 @@ def _is_trusted_folder(folder: Path) -> bool:
 
 
 def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
-    """Return checksums of shipped kernels by file, and ""; without fitting ones {} and the reason.
+    """Return the checksums of the shipped kernels by file, and "". If they do not fit: {} and the reason.
 
-    `sources` is the digest of the kernels' sources. If they fit, numba, which is not yet imported, will compile for the
-    same kind of CPU.
+    If none are shipped: {} and "". `sources` is the digest of the kernels' sources. If the kernels fit, environment
+    variables make numba, which is not yet imported, compile for the same kind of CPU.
     """
     manifest = read_manifest()
     if manifest is None:

@@ -32,20 +32,20 @@ def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, f
     """
     share = np.full(len(values), 1.0 / len(values)) if weights is None else weights / weights.sum()
     value = float(share @ values)
-    alike = float(share @ share)
-    se = math.sqrt(float(share**2 @ (values - value) ** 2) / (1.0 - alike))
-    return value, se, 1.0 / alike - 1.0
+    squares = float(share @ share)
+    se = math.sqrt(float(share**2 @ (values - value) ** 2) / (1.0 - squares))
+    return value, se, 1.0 / squares - 1.0
 
 
 def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
     """Return quantiles of one further value, given n >= 2 independent `values`, at the probabilities `shares`.
 
     Between the least and the largest value they follow Weibull's plotting positions i / (n + 1), which hold for any
-    continuous distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the median than the outermost
-    value in the ratio of Student's t, of n - 1 degrees of freedom, at both probabilities. So bounds of 95 % from 16 to
-    38 values hold 94 to 97 % of normal, skewed (log-normal, exponential) and triangular distributions, 92.5 to 95 % of
-    Student's t of three degrees, and 95 to 98.5 % of uniform ones and of those with two modes. From 8 values they hold
-    91 to 98 % and from 4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
+    continuous distribution. Quantiles rarer than 1 / (n + 1) lie outside the values: their distance from the median is
+    that of the outermost value times the ratio of Student's t (n - 1 degrees of freedom) at both probabilities. So
+    bounds of 95 % from 16 to 38 values hold 94 to 97 % of normal, skewed (log-normal, exponential) and triangular
+    distributions, 92.5 to 95 % of Student's t of three degrees, and 95 to 98.5 % of uniform ones and of those with two
+    modes. From 8 values they hold 91 to 98 % and from 4 values 88 to 94 %. The outermost values hold (n - 1) / (n + 1).
     """
     count, wanted = len(values), np.asarray(shares, dtype=float)
     rarest = 1.0 / (count + 1)
@@ -53,7 +53,7 @@ def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
     middle = np.median(values)
     ends = np.quantile(values, within, method="weibull")
     beyond = wanted != within
-    further, outermost = ([student_quantile(count - 1, at) for at in places[beyond]] for places in (wanted, within))
+    further, outermost = ([student_quantile(count - 1, p) for p in levels[beyond]] for levels in (wanted, within))
     ends[beyond] = middle + np.divide(further, outermost) * (ends[beyond] - middle)
     return np.asarray(ends)
 
@@ -61,10 +61,11 @@ def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
 def correlation_time(series: Sequence[Array], interval: float) -> float | None:
     """Return the integrated autocorrelation time (s) of series sampled every `interval` seconds.
 
-    Products are about the mean of all series: about each one's own, changes slower than a series would vanish. Summed
-    in Sokal's self-consistent window (A. Sokal, in Functional Integration, 1997, section 3), with the correction for
-    the mean's own error (U. Wolff, Comput. Phys. Commun. 156, 143, 2004, section 3.2). At least half an interval; None
-    when no series has MIN_SERIES_LENGTH values, and when the window does not close within half of the longest series.
+    Deviations are from the mean of all series. Deviations from each series' mean would hide changes slower than a
+    series. Products of deviations are summed in Sokal's self-consistent window (A. Sokal, in Functional Integration,
+    1997, section 3), with the correction for the mean's error (U. Wolff, Comput. Phys. Commun. 156, 143, 2004, section
+    3.2). At least half an interval. None if no series has MIN_SERIES_LENGTH values, or if the window does not close
+    within half of the longest series.
     """
     longest = max((len(values) for values in series), default=0)
     if longest < MIN_SERIES_LENGTH:
@@ -88,8 +89,8 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
 def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
     """Estimate the standard error of the mean over all series, sampled every `interval` seconds.
 
-    Two correlation times (`correlation`, s) make one independent sample. Returns None with fewer than MIN_SAMPLES. It
-    is meant for series that are too few to give their spread. Changes rarer than the series are long are missed.
+    Two correlation times (`correlation`, s) make one independent sample. Returns None with fewer than MIN_SAMPLES. Use
+    it for too few series to take the error from the scatter of their means. It misses changes slower than a series.
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)

@@ -11,6 +11,7 @@ from typing import TypeVar
 from walkergen.core.files.progress import Progress, silent
 
 Made = TypeVar("Made")
+"""Type of the result of one run."""
 
 Stopped = Callable[[], bool]
 """Returns whether a run is to stop."""
@@ -19,7 +20,7 @@ Tell = Callable[[float], None]
 """Called by a run with the share of it that is done, 0 to 1."""
 
 OneRun = Callable[[int, Stopped, Tell], Made]
-"""Function that makes the run with a given number."""
+"""Function that makes the run with a given number and returns its result."""
 
 POLL_INTERVAL_S = 0.2
 """Time between two looks at the runs under way, s."""
@@ -30,15 +31,16 @@ def run_parallel(
 ) -> dict[int, Made]:
     """Make the runs of the given numbers on `threads` threads (None: every core). Return them by number, in order.
 
-    `make_run(number, stopped, tell)` makes one run: `stopped()` returns whether to stop, `tell(share)` reports
-    progress. `progress` gets percent. Ctrl-C stops the runs under way and returns the finished ones. It is raised again
-    if none has finished, as is any other error of a run.
+    `make_run(number, stopped, tell)` makes one run and returns its result: `stopped()` returns whether to stop,
+    `tell(share)` reports progress. `progress` gets percent. Ctrl-C stops the runs under way and returns the finished
+    ones. It is raised again if none has finished. Any other error of a run is always raised.
     """
     stop: list[bool] = []
     done_shares = dict.fromkeys(numbers, 0.0)
     finished: dict[int, Made] = {}
 
     def make_stoppable_run(number: int) -> Made:
+        """Make one run, which stops once `stop` has an entry and writes its progress to `done_shares`."""
         return make_run(number, lambda: bool(stop), lambda share: done_shares.update({number: share}))
 
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:

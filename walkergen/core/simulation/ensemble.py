@@ -77,7 +77,7 @@ class Summary(NamedTuple):
 
 
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
-    """Return a function that simulates the run with a given number, which seeds the run.
+    """Return a function that simulates one run; its arguments are those of `OneRun`, and the run's number seeds it.
 
     If `impacts` is true, each run keeps a record of all its impacts. With a `sample_interval` (s) it also keeps samples
     of the entries of its state that a trajectory shows, `space.state.TRAJECTORY_COLUMNS`.
@@ -140,11 +140,11 @@ def correlation_time(results: Sequence[RunResult]) -> float | None:
 def mean_speed(results: Sequence[RunResult]) -> Quantity:
     """Return the mean speed of runs of any lengths; without an error for fewer than MIN_RUNS.
 
-    Runs are the samples: other drops, prints and noise make them independent however slowly a walker changes its
-    direction, and no piece of a run is (C. Alexopoulos and D. Goldsman, ACM Trans. Model. Comput. Simul. 14, 76, 2004,
-    weigh the two). Limit: walkers that all keep the direction they started in show no spread. With two directions
-    alike, n runs of T seconds that turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of
-    4 runs that never turn: hence MIN_RUNS, and 8 runs or more where directions may last longer than a run.
+    Runs are the samples. They are independent, since each has its own drop, printed feet and noise; pieces of one run
+    are not, if a walker changes its direction slowly (C. Alexopoulos and D. Goldsman, ACM Trans. Model. Comput. Simul.
+    14, 76, 2004, compare both). Limit: walkers that all keep the same direction show no scatter. With two equally
+    likely directions, n runs of T seconds that turn every t seconds all agree with the probability 2^(1-n) exp(-n T/t).
+    It is 12.5 % for 4 runs that never turn: hence MIN_RUNS, and 8 or more runs if directions may outlast a run.
     """
     if not results:
         return Quantity("speed", "mm_s", None, refused="no run ended well")

@@ -46,13 +46,13 @@ MIN_RUNS = 4
 
 
 def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
-    """Return the observables of all runs together, by the names of OBSERVABLE_NAMES, without the speed.
+    """Return the observables of all runs together by their OBSERVABLE_NAMES; the speed is left out.
 
     Each is a quotient of sums over the runs: of a total and the time, the number of impacts, or their impulse. Shares
     of runs without impacts are 0.
     """
     counts = np.array([result.tally.counts for result in results], dtype=float).reshape(-1, 9)
-    sums = np.array([result.tally.sums for result in results]).reshape(-1, 14)
+    sums = np.array([result.tally.sums for result in results]).reshape(-1, 14)  # a row for each run, as in `Tally`
     elapsed, impacts = sums[:, record.ELAPSED], counts[:, record.IMPACTS]
     impulses = sums[:, record.IMPULSES + 1 :]
     quotients = {IMPACTS: (impacts, elapsed), CONTACT: (sums[:, record.CONTACT_TIME], elapsed)}

@@ -20,7 +20,7 @@ from walkergen.core.walker.mass import MassProperties
 
 
 class Plan(NamedTuple):
-    """Simulation to be run: a scene, what it calls for, and the world of the walker."""
+    """Simulation ready to run: scene and walker (`case`), effects (`resolved`), data for kernels (`world`)."""
 
     case: Case
     resolved: Resolved
@@ -64,7 +64,7 @@ class Plan(NamedTuple):
     def initial_state(
         self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0
     ) -> State:
-        """Create a state at rest, its lowest corner `clearance` (mm) over the plate. All angles are in rad."""
+        """Create a state at rest, its lowest corner `clearance` (mm) over the plate. Angles and the drive's `phase` in rad."""
         return model.initial_state(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:

@@ -111,7 +111,7 @@ def add_impulse(sums, kind, F_y):
 
 @kernel
 def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
-    """Append an impact unless full: time (s), contact, impulse (g mm/s), velocity before it (mm/s), type."""
+    """Append an impact to `events`, unless full. Arguments: those of a row of `Events`, `foot` the contact's number."""
     row = events.cursor[0]
     if row < events.rows.shape[0]:
         events.rows[row, 0] = t

@@ -81,7 +81,7 @@ class RunResult(NamedTuple):
 def compile_kernels(plan: Plan) -> float:
     """Compile, or load from the disk cache, the kernels that the plan needs. Return the time that this took, s."""
     started = time.perf_counter()
-    plan, state = drop_for_run(plan, 0)  # the noise and bumps that a run draws are types of its kernels
+    plan, state = drop_for_run(plan, 0)  # kernels are compiled for the array types of drawn noise and bumps
     plan.advance(state, 1e-9, record.new_tally())
     plan.energy(state)
     return time.perf_counter() - started

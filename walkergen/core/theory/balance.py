@@ -130,9 +130,9 @@ def _format_levers(numbers: Array) -> str:
 def _bisect_speeds(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
     """Bisect each draw's net force between the speeds `low` and `high`, shape (draws,). `feet`: (draws, feet, 7).
 
-    Speeds are resolved to a rounding of the larger of the two, also where they nearly cancel. Returns speeds (draws,),
-    loads and normal impulses (draws, feet), all for w = 1. The speed is NaN where feet of different height cannot
-    balance. Mirror images give mirrored numbers exactly.
+    Bisection ends at a rounding error of the larger limit. Returns speeds (draws,), loads and normal impulses (draws,
+    feet), all for w = 1. The speed is NaN where feet of different height cannot balance. Mirror images give mirrored
+    numbers exactly.
     """
     draws, count = feet.shape[0], feet.shape[1]
     speeds, ratios, levers = np.empty(draws), np.empty(count), np.empty(count)
@@ -163,7 +163,10 @@ def _bisect_speeds(feet: Array, low: Array, high: Array) -> tuple[Array, Array, 
 
 @kernel
 def _fill_impulses(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
-    """Fill force ratios F_x / F_y and normal impulses of feet, shape (feet, 7), that slide at a speed, for w = 1."""
+    """Fill force `ratios` F_x / F_y and normal `impulses`, shape (feet,), of feet that slide at a speed, for w = 1.
+
+    `feet`: shape (feet, 7), with the columns XX to FRICTION.
+    """
     for i, foot in enumerate(feet):
         hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION])
         impulses[i] = hit.F_y
@@ -172,8 +175,9 @@ def _fill_impulses(feet: Array, speed: float, ratios: Array, impulses: Array) ->
 
 @kernel
 def _fill_levers(feet: Array, ratios: Array, levers: Array) -> None:
-    """Fill the levers of the impulses' lines of action, x - y rho, at the feet's mean height.
+    """Fill `levers`, shape (feet,): where the impulses' lines of action, x - y rho, cross the feet's mean height.
 
+    `feet`: shape (feet, 7); `ratios`: force ratios rho, shape (feet,).
     Where the net force vanishes, the height at which levers are taken does not matter.
     """
     height = 0.0

@@ -24,7 +24,8 @@ DEFAULT_PLAY_MM = 0.5
 class Place(NamedTuple):
     """Dimensionless numbers on which a speed over the plate's peak speed depends; lengths over the feet's distance.
 
-    A walker of the other tilt on the other slope is the mirror image: it has the same place.
+    A walker of the other tilt on the other slope is the mirror image: it has the same numbers. Fields are floats, or
+    arrays of one shape (n,) for n draws.
     """
 
     root_tilt: float | Array
@@ -80,14 +81,15 @@ class Place(NamedTuple):
     log_depth_ratio: float | Array
 
     def with_inputs(self, design: Design, scene: Scene, drawn: Drawn) -> "Place":
-        """Return the places at drawn values of the inputs of a prediction."""
+        """Return these numbers with uncertain inputs at their drawn values; those become arrays of shape (draws,)."""
         contact, material = scene.contact, design.material
         modulus = material.youngs_modulus_gpa
         friction = np.maximum(drawn.input_values("contact.friction", contact.friction), 1e-9)
         stiffness = drawn.input_values("material.youngs_modulus_gpa", modulus) / modulus
         radius = drawn.input_values("feet.tip_radius_um", scene.feet.tip_radius_um) / scene.feet.tip_radius_um
-        part = contact_modulus(scene, material) * (1.0 - material.poisson_ratio**2) / material.youngs_modulus
-        harder = 1.0 / (1.0 - part + part / stiffness)  # E* over the nominal one
+        # Share of the foot in the compliance of foot and plate, and E* over the nominal one
+        foot_share = contact_modulus(scene, material) * (1.0 - material.poisson_ratio**2) / material.youngs_modulus
+        hardness = 1.0 / (1.0 - foot_share + foot_share / stiffness)
         thickness, leg, body = (
             leg_thickness_ratios(design, drawn),
             leg_mass_ratios(design, drawn),
@@ -103,7 +105,7 @@ class Place(NamedTuple):
             log_hinge_ratio=hinge,
             log_mass_ratio=self.log_mass_ratio + np.log(leg / body),
             log_foot_ratio=self.log_foot_ratio + 0.5 * np.log(thickness * stiffness / body),
-            log_tip_ratio=self.log_tip_ratio + 0.4 * np.log(harder) + 0.2 * np.log(radius) - 0.4 * np.log(body),
+            log_tip_ratio=self.log_tip_ratio + 0.4 * np.log(hardness) + 0.2 * np.log(radius) - 0.4 * np.log(body),
             thickness_ratio=self.thickness_ratio * thickness,
             slope_ratio=self.slope_ratio * math.exp(float(self.log_friction)) / friction,
             unevenness_ratio=1e-3 * unevenness / scene.drive.amplitude,
@@ -111,7 +113,7 @@ class Place(NamedTuple):
 
 
 def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
-    """Compute the place of a walker with two equal legs on a plate. Braced legs have no hinges and no own masses."""
+    """Compute the dimensionless numbers of a walker with two equal legs; hinge and mass ratios of braced legs are 1."""
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
     modulus = 1e9 * design.material.youngs_modulus_gpa
@@ -190,12 +192,12 @@ def leg_mass_ratios(design: Design, drawn: Drawn) -> Array:
 
 
 def to_matrix(place: Place) -> Array:
-    """Return the numbers of places, shape (n, numbers)."""
+    """Return the numbers of n walkers or draws, whose fields are arrays, as a matrix of shape (n, fields)."""
     return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(number) for number in place)))
 
 
 def describe_number(name: str, low: float, high: float) -> tuple[str, str]:
-    """Return the name and range of a number as text."""
+    """Return a field of `Place` in words, and its range `low` to `high` as text, without logarithm or square root."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
         low, high = low**2, high**2

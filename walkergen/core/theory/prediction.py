@@ -48,7 +48,7 @@ By = Literal["surrogate", "corrected", "runs", "statics", "theory"]
 and its prints; statics if it rests; "theory" if only theory was requested, and there is no speed."""
 
 Bounds = tuple[float, float, float, float]
-"""Ends of the bounds that hold a speed with 95, 68, 68 and 95 %, mm/s, as `QUANTILES` orders them."""
+"""Lower bounds of a speed of 95 and 68 %, then upper bounds of 68 and 95 %, mm/s, as `QUANTILES` orders them."""
 
 BOUND_LEVELS = {"nominal": (95,), "speed": (68, 95)}
 """Bounds of each speed that tables show, %."""
@@ -66,7 +66,7 @@ class PredictedSpeed(NamedTuple):
 
 
 def make_speed(key: str, value: float, sd: float, ends: Bounds) -> Quantity:
-    """Return a speed (mm/s) with a standard deviation, and with the `ends` of its bounds of 95, 68, 68 and 95 %."""
+    """Return a speed (mm/s) with a standard deviation and its bounds `ends`: low 95 and 68 %, high 68 and 95 %."""
     return Quantity(key, "mm_s", value, sd, ends=ends)
 
 
@@ -188,10 +188,10 @@ def sample_speeds(known: Known, drawn: Drawn) -> Array:
 
 
 def print_speeds(known: Known, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
-    """Return the speeds of drawn prints without the model's error, mm/s, shape (n,).
+    """Return the speeds of n printed walkers at `drawn` inputs, without the model's error, mm/s, shape (n,).
 
-    `speeds` are those of the surrogate's networks at the drawn inputs, and `shift` moves all of them on the networks'
-    scale. A mirror image has mirrored errors.
+    `known` is the walker's surrogate, and `speeds` are those of its networks at the drawn inputs. `shift` is added to
+    them on the networks' scale. A mirror image has mirrored errors.
     """
     columns = drawn.columns
     deviation = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
@@ -365,7 +365,7 @@ def predict_curve(
 ) -> Curve:
     """Predict the speeds of a design's kind of legs over a fine range of `count` tilts.
 
-    The walkers have no marks, because marks number only the tilts of a family.
+    The walkers have no engraved marks: marks number only the tilts of a family.
     """
     drawn, contact = sample_prediction_inputs(scene, design), scene.contact
     tilts = np.linspace(low_deg, high_deg, count)

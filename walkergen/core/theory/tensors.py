@@ -1,7 +1,7 @@
 """Inverse-mass tensors at a foot: dv_foot = H F (docs/physics.md section 2; paper eqs 4 and 12).
 
-Symmetric 2x2 tensors are kept as their three entries, each an array of any common shape, so that
-a call serves one foot or a million draws.
+I is the unit matrix, perp(x, y) = (-y, x), and P(d) = perp(d) perp(d)^T. Symmetric 2x2 tensors are kept as their three
+entries, each an array of any common shape, so that a call serves one foot or a million draws.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,10 @@ class InverseMass(NamedTuple):
 
 
 def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
-    """Invert I/mass + P(lever)/inertia, in g: the effective mass at a point of a free rigid body."""
+    """Return the effective mass at a point of a free rigid body: the inverse of I/mass + P(lever)/inertia, in g.
+
+    Mass in g, inertia about the centre in g mm^2, shape (...); `lever`: centre -> point, mm, shape (..., 2).
+    """
     x, y = lever[..., 0], lever[..., 1]  # eq. 2.4
     scale = mass / (inertia + mass * (x * x + y * y))
     return InverseMass(scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y))

@@ -11,9 +11,9 @@ RARE_CONTACT_GAMMA = 50.0
 
 def judge_sticking(case: Case) -> Effect:
     """Return the effect "sticking in impacts" (docs/physics.md section 3): on if friction can hold a foot."""
-    scenes = case.scene.contact.friction
+    friction = case.scene.contact.friction
     ratios = [
-        (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
+        (friction if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
         if H.xy != 0.0
         else math.inf
         for limb, H in zip(case.design.limbs, foot_tensors(case.mass), strict=True)

@@ -158,7 +158,7 @@ def acts(rotor):
 
 @lean
 def swing(rotor, mass, phase, swung):
-    """Fill rows of `swung`, shape (3, 3): s (mm), its rate and second derivative, body axes. `mass`: walker's, g."""
+    """Fill the rows of `swung`, shape (3, 3), with s (mm), s' and s'' in body axes. `mass`: the walker's, g."""
     c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
     # Eq. 8.1: s = (S/M) e
     for i in range(3):
@@ -170,14 +170,17 @@ def swing(rotor, mass, phase, swung):
 
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
-    """Return the moment about C of a momentum, or a force, `mass` (x, y, z) at the rotor. `centre`: C -> O, mm."""
+    """Return the moment about C of `mass` (x, y, z), a force or momentum at the rotor's place. `centre`: C -> O, mm."""
     p_x, p_y, p_z = (rotor.place[0] + centre[0], rotor.place[1] + centre[1], rotor.place[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
 
 @lean
 def spin(rotor, centre, mass, swung):
-    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s. `centre`: C -> O, mm."""
+    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
+
+    `centre`: C -> O, mm; `mass`: the walker's, g; `swung`: as filled by `swing`.
+    """
     # p x M s' + h n of eq. 8.2
     x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
     return x + rotor.spin[0], y + rotor.spin[1], z + rotor.spin[2]

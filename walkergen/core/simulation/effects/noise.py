@@ -102,9 +102,9 @@ def advance_time(noise, time, t):
 @lean
 def _cubic(noise, time):
     """Return the four coefficients of the cubic height at `time`, and the elapsed share of its sampling interval."""
-    place = time / noise.interval
-    i = int(place)
-    s = place - i
+    position = time / noise.interval
+    i = int(position)
+    s = position - i
     count = len(noise.heights)
     i %= count
     j = (i + 1) % count

@@ -51,7 +51,7 @@ def resolve(case: Case) -> Resolved:
 
 
 def without_plate_effects(scene: Scene) -> Scene:
-    """Return the scene without the effects that a still plate does not have."""
+    """Return the scene without the effects that a still plate does not have, such as walls, slope or noise."""
     for rule in all_rules():
         if rule.away:
             scene = replace_without_validation(scene, {**rule.away, f"effects.{rule.switch}": None})
@@ -64,11 +64,11 @@ def replace_without_validation(scene: Scene, values: Mapping[str, Any]) -> Scene
     The key effects.NAME forces the effect NAME on (True) or off (False), or leaves it to the scene (None).
     """
     for key, value in values.items():
-        table, _, own = key.partition(".")
+        table, _, name = key.partition(".")
         if table == "effects":
-            changed: Any = scene.effects.force(own, value)
+            changed: Any = scene.effects.force(name, value)
         else:
-            changed = getattr(scene, table).model_copy(update={own: value}) if own else value
+            changed = getattr(scene, table).model_copy(update={name: value}) if name else value
         scene = scene.model_copy(update={table: changed})
     return scene
 
@@ -105,9 +105,9 @@ def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
     """
     keys_by_reason: dict[str, list[str]] = {}
     for key, reason in _find_idle_keys(case, on):
-        table, _, own = key.partition(".")
+        table, _, name = key.partition(".")
         section = getattr(case.scene, table)
-        if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
+        if name in section.model_fields_set and getattr(section, name) != type(section).model_fields[name].default:
             keys_by_reason.setdefault(reason, []).append(key)
     listed = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in keys_by_reason.items())
     return f"not used here: {listed}" if listed else ""

@@ -36,7 +36,7 @@ Four = tuple[float, float, float, float]
 
 
 class Sway(NamedTuple):
-    """A plate that moves along itself and tilts: displacements along x and z, mm, then slopes along both."""
+    """A plate that moves along itself and tilts, as four numbers: displacements along x and z (mm), slopes along both."""
 
     moves: bool
     """Whether it does either."""
@@ -136,7 +136,7 @@ def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
 
 
 def _slopes(size: float, percent: Sequence[float]) -> tuple[float, float]:
-    """Return the slopes along x and z of a plate whose amplitude `size` grows, in percent per mm, along x and left."""
+    """Return slopes along x and z of a plate of amplitude `size` (mm). `percent`: its growth per mm along (x, left)."""
     along, left = percent
     return size * 0.01 * along, -(size * 0.01 * left)
 

@@ -45,16 +45,16 @@ def gap(case: Case) -> float:
 
 def _check_headings(case: Case) -> None:
     """Raise InputError for a heading at which a run would start inside the walls."""
-    size, wanted, room = case.design.size, case.scene.run.heading_deg, gap(case)
+    size, headings, width = case.design.size, case.scene.run.heading_deg, gap(case)
     widest = [math.degrees(math.atan2(size.length, size.depth))]
-    for heading in widest if wanted == "uniform" else wanted:
+    for heading in widest if headings == "uniform" else headings:
         turn = math.radians(heading)
         across = size.depth * abs(math.cos(turn)) + size.length * abs(math.sin(turn))
-        if heading and across > room - MIN_PLAY_RATIO * size.length:
-            words = wanted if wanted == "uniform" else list(wanted)
+        if heading and across > width - MIN_PLAY_RATIO * size.length:
+            words = headings if headings == "uniform" else list(headings)
             raise InputError(
                 f"run.heading_deg = {words}: at {heading:.3g} deg the walker is {across:.4g} mm wide and the lane "
-                f"{room:g} mm; widen it (arena.gap_mm), or use arena.kind = 'plane'"
+                f"{width:g} mm; widen it (arena.gap_mm), or use arena.kind = 'plane'"
             )
 
 

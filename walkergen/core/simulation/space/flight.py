@@ -3,7 +3,9 @@
 The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the body's turn. The top
 keeps its angular momentum exactly and turns by the implicit midpoint rule, solved to rounding.
 
-`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
+`world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
+`work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
+(rad/s, body axes) at which body and legs would turn together with locked joints.
 """
 
 import math
@@ -63,7 +65,7 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
     """Bound how much faster (mm/s) the legs' swing may bring contact k to its surface than it moves now.
 
     The surface is the plate (`side` 1), or the lid (-1). `leg` is the number of the contact's leg (-1: none), `f` the
-    number of coordinates of each leg. `R` and `points` are those of `Work`, `shift` and `fast` those of `Walker`.
+    number of coordinates of each leg. `R` and `points` are of `Work`, `shift` and `fast` (frequencies squared) of `Walker`.
     """
     n, speed = shift.shape[1], 0.0
     for j in range(n):
@@ -147,7 +149,7 @@ def _sway_closing_rates(world, state, work, k, side, speed):
 
 @lean
 def clear_time(world, state, work, longest):
-    """Compute a time (s), at most `longest`, in which no contact can close. Also set `clear`, each contact's own."""
+    """Return a time (s), at most `longest`, in which no contact can close; set `work.points[k].clear` of contact k."""
     walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
@@ -197,7 +199,7 @@ def clear_time(world, state, work, longest):
 
 @lean
 def _swing(walker, work, state, level):
-    """Swing the legs for a flight of Options.step 2^level seconds. Return the energy that their dampers take."""
+    """Swing the legs for a flight of Options.step 2^level seconds, from `work.before`. Return their dampers' energy."""
     n = len(walker.stiffness)
     before = legs_energy(walker, state)
     P = walker.flights[level + HALVINGS]
@@ -262,7 +264,7 @@ def _fall(world, state, work, t, sums):
 
 @lean
 def _swing_shaken(world, state, work, t, level):
-    """Swing the legs as `_swing` does for t seconds, about the oscillation that the motor forces on them.
+    """Swing the legs as `_swing` does, in t = Options.step 2^level seconds, about the oscillation that a motor forces.
 
     The returned energy of their dampers leaves out that of the forced oscillation.
     """
@@ -281,6 +283,7 @@ def _turn_free(world, state, work, t):
     """Turn the body, a free top, for t seconds while its legs have swung from `work.before`.
 
     With a motor the conserved angular momentum includes the rotor's, and its unbalanced mass turns the body to and fro.
+    `work.thrown`, the motion of that mass (`motor.swing`), becomes that at the end.
     """
     walker, motor = world.walker, _motor_acts(world.acting.motor)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0

@@ -186,7 +186,11 @@ def _jams(near, H, i, h):
 
 @lean
 def _assemble(near, H, A, m, h):
-    """Fill A with the equations of the forces of m contacts in their modes `tried`. Return the number of equations."""
+    """Fill A with the equations of the forces of m contacts in their modes `tried`. Return the number of equations.
+
+    Its first `count` columns are the matrix, the next one the right-hand side. A contact has three equations if it
+    sticks, one (the normal force) if it slides, none if it is open.
+    """
     count = 0
     for i in range(m):
         near[i].unknown = count

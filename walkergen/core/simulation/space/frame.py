@@ -3,7 +3,9 @@
 Legs enter with the inertia of the implicit midpoint rule, which their springs and dampers raise by
 h c / 2 + h^2 k / 4: no step is too long for a stiff leg.
 
-`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
+`world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
+`work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
+(rad/s, body axes) at which body and legs would turn together with locked joints.
 """
 
 import math
@@ -25,7 +27,10 @@ _motor_acts, _motor_spin, _motor_torque = motors.acts, motors.spin, motors.torqu
 
 @lean
 def fill_leg_mobility(walker, work, h):
-    """Fill `work.swing`, the inverse inertia of the legs' coordinates in steps of h seconds, by Gauss and Jordan."""
+    """Fill `work.swing`, the inverse inertia of the legs' coordinates for steps of h seconds, by Gauss-Jordan.
+
+    `work.swung[0]` keeps the h of the last call: for the same h nothing is computed.
+    """
     n, swing, A = len(walker.stiffness), work.swing, work.A
     if work.swung[0] == h:
         return
@@ -144,7 +149,10 @@ def fill_midpoint_pose(world, state, work, t):
 
 @lean
 def _motor_point_acceleration(now, thrown):
-    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor. Arguments: fields of `Work`."""
+    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor.
+
+    `now` and `thrown` are fields of `Work`: turning rate now[3:6], and the rows that `motor.swing` fills.
+    """
     x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
     return (
         -thrown[2, 0] - 2.0 * (now[4] * z - now[5] * y),

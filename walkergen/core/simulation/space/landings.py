@@ -2,6 +2,8 @@
 
 A landing lasts from the first force to the last. Its type is that of an impact (docs/physics.md section 3): whether the
 slip along the heading goes on (I, IV), or stops in compression (III) or in restitution (II).
+
+The row of a contact in the 1-d array `state` starts at `at`; constants such as MODE name its entries (state.py).
 """
 
 from walkergen.core.numerics.kernels import lean

@@ -1,4 +1,8 @@
-"""The walker in space on elastic feet: its first state, its energy, and what each run draws."""
+"""The walker in space on elastic feet: its first state, its energy, and the feet and plate that each run draws.
+
+A state is a 1-d array, whose entries are named by constants as C_X (state.py). C is the centre of mass of the whole
+walker, O that of its body. W is the rate at which body and legs would turn together with locked joints.
+"""
 
 import math
 
@@ -83,7 +87,7 @@ def initial_state(
 
 
 def turn_to(state: State, heading: float) -> None:
-    """Turn a walker's state from heading 0 to `heading`, rad to the left."""
+    """Turn a walker's state in place from heading 0 to `heading`, rad to the left."""
     c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
     q, i, j, k = state[Q_0 : Q_0 + 4]
     state[Q_0 : Q_0 + 4] = c * q - s * j, c * i + s * k, c * j + s * q, c * k - s * i
@@ -91,7 +95,7 @@ def turn_to(state: State, heading: float) -> None:
 
 
 def _set_motor_rates(world: World, state: State, work: Work) -> None:
-    """Set the turning rate at which the body sways to and fro with its motor, without lasting rotation."""
+    """Set W in `state`, and `work`, so that the body oscillates with its motor without lasting rotation."""
     walker, rotor = world.walker, world.acting.motor
     if motors.acts(rotor):
         still = rotor._replace(spin=(0.0, 0.0, 0.0))

@@ -46,7 +46,7 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
     mm. `free`: numbers of the legs that swing.
     """
     design, mass = case.design, case.mass
-    rows: list[Any] = []
+    rows: list[Any] = []  # of leg, root, reach, side, axis, place (see `Walker`) and foot
     for number, (limb, leg) in enumerate(zip(design.limbs, mass.legs, strict=True)):
         foot, axis, half = leg.c_A + leg.c_T, leg_axis(limb)[:2], 0.5 * limb.width
         for side in (-half, half):

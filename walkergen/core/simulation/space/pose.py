@@ -1,6 +1,8 @@
 """Pose of a walker in space: rotation, points of contact, their gaps, and what moves them.
 
-`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
+`world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
+`work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
+(rad/s, body axes) at which body and legs would turn together with locked joints.
 """
 
 import math
@@ -103,7 +105,10 @@ def rotation(state, R):
 
 @lean
 def place(world, state, work):
-    """Fill the pose in `work`, and what a trajectory shows in `state`. Return the change of the heading, rad."""
+    """Fill `R`, `now`, `motion` and `thrown` of `work` from a state, and update the entries that a trajectory shows.
+
+    Returns the change of the heading, rad.
+    """
     walker, R, now, motion = world.walker, work.R, work.now, work.motion
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
     rotation(state, R)
@@ -139,7 +144,7 @@ def place(world, state, work):
 
 @lean
 def locate(world, state, work):
-    """Fill `work.points` at the pose in `work`: places of the contacts, their derivatives and gaps."""
+    """Fill `work.points` at the pose in `work`: positions (`at`), derivatives by leg angles (`turned`) and gaps."""
     walker, R = world.walker, work.R
     n, f = len(walker.stiffness), walker.freedoms
     o_x, o_y, o_z = 0.0, 0.0, 0.0

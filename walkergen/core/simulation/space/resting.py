@@ -1,6 +1,7 @@
 """Rest: a walker that stands on stuck feet on a plate that cannot throw it rides along without steps.
 
-`world` holds what stays the same in a run, `state` (an array) what changes, and `sums` the sums of its record.
+`world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
+`sums` the sums of its record, which functions add to.
 """
 
 from walkergen.core.numerics.kernels import lean

@@ -5,7 +5,9 @@ equations with Coulomb's cones; exact gaps are computed again in every frame. A 
 within a step acts for the rest of it (forces.py): landings, sliding and flight all err by second
 order. While no contact can close, the walker flies (flight.py).
 
-`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
+`world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
+`work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
+(rad/s, body axes) at which body and legs would turn together with locked joints.
 """
 
 import math
@@ -313,7 +315,7 @@ def _has_folded_leg(walker, state):
 
 @lean
 def advance_in(world, state, work, duration, tally):
-    """Advance `state` in place by `duration` seconds and fill `tally`, in given memory. Return a status of `world`."""
+    """Advance as `advance` does, in memory `work` from `work_for`. Return a status of `world`, such as OK."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
     can_rest = max_plate_acceleration(world) < gravity_into(world.acting)

@@ -50,7 +50,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 class _Limbs(NamedTuple):
-    """Free legs as the mass matrix sees them: columns of momenta for n coordinates, from C."""
+    """Parts of the mass matrix from free legs with n coordinates (hinge angles and twists)."""
 
     momentum: Array
     """Linear momentum by each coordinate's rate, shape (3, n)."""
@@ -245,7 +245,7 @@ def _largest_eigenvalue(block: Array, factors: Array) -> float:
 
 
 def _choose_step(given_us: float | None, resolving_step: float) -> float:
-    """Choose the step, s: `resolving_step`, or the scene's, us. Raises InputError if that is longer than contacts."""
+    """Return the step, s: the scene's `given_us` (us), else `resolving_step` (s). Raises InputError if too long."""
     if given_us is None:
         return resolving_step
     if 1e-6 * given_us > MAX_STEP_RATIO * resolving_step:
