@@ -131,7 +131,7 @@ class Error(NamedTuple):
         quantity = measured.quantities[self.of]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
-            return None
+            return None  # small enough, or more runs would give no smaller error
         if bias > MAX_BIAS_SHARE * allowed:
             finer = self.select_resolution(measured)
             return None if finer is measured.experiment else Measured(finer, [], self.first, 0.0)

@@ -118,7 +118,7 @@ def install_in_cache(sums: dict[str, str]) -> None:
 
 def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
     """Return a subclass of `base`, numba's cache files, that first reads shipped ones (`sums`: checksums by path)."""
-    subfolders = {
+    subfolders = {  # of shipped kernels, by numba's names of their sources' folders
         cache_subpath(PACKAGE_FOLDER / subfolder): subfolder for subfolder in {str(Path(name).parent) for name in sums}
     }
 

@@ -64,7 +64,7 @@ class Plan(NamedTuple):
     def initial_state(
         self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0
     ) -> State:
-        """Create a state at rest, its lowest corner `clearance` (mm) over the plate. Angles and the drive's `phase` in rad."""
+        """Create a state at rest, lowest corner `clearance` mm over the plate. Angles and the drive's `phase`: rad."""
         return model.initial_state(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:

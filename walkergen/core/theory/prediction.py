@@ -378,7 +378,7 @@ def predict_curve(
             nominal, speed, *_ = compute_speed(variant, mass, scene, drawn)
             speeds.append((nominal.number, speed.number, *(speed.ends or ())))
         except UnknownError:
-            speeds.append((math.nan,) * 6)
+            speeds.append((math.nan,) * 6)  # nominal, median and four bounds
         theory.append(float(by_foot.factor) * impact_speed(scene, mass))
         sticks.append(not all(by_foot.reverses))
     nominals, middle, *bounds = np.array(speeds).T

@@ -88,7 +88,7 @@ def _foot_value(
 
 
 def _format_note(design: Design, note: str, shares: Array) -> str:
-    """Return the note of a balance with the feet's shares of impacts, shape (feet,), and a remark on turning."""
+    """Return a balance's `note` with the feet's shares of impacts, if of shape (feet,), and a remark on turning."""
     if shares.ndim == 1:
         percent = " : ".join(f"{100 * share:.0f}" for share in shares)
         note += f" (impacts from back to front {percent} %)"

@@ -269,7 +269,7 @@ class Share(NamedTuple):
 
 
 def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
-    """Return the first-order and total shares of a function's variance, largest total first.
+    """Return the first-order and total shares of the inputs in a function's variance, largest total first.
 
     The function takes values of the inputs, shape (n, inputs), and returns shape (n,). Standard
     errors come from `SHARE_SETS` independent sets of points.

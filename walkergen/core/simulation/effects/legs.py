@@ -55,6 +55,7 @@ def judge_twist(case: Case) -> Effect:
     if design.rigid:
         reason = absence_reason(case, TWIST_SWITCH, "no free leg")
         return Effect(TWIST, False, 0.0, f"legs are {design.kind}", reason, "")
+    # A strip's inertia about its long axis, m w^2 / 12; a third of it, since the twist grows linearly from the anchor
     frequencies = [
         natural_frequency(twist_stiffness(limb, design.material), float(leg.m) * limb.width**2 / 36.0)
         for limb, leg in zip(design.limbs, case.mass.legs, strict=True)

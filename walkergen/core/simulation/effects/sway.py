@@ -4,7 +4,7 @@ All motion has the drive's frequency, phi its phase. Along x the plate is at q A
 Its height has a gradient: A (1 + g . r) sin(phi), as over a shaker with one stiffer side. It rocks about the start by
 A (k . r) cos(phi), which leaves its middle in place. Feet feel height, slope and velocity of the plate under
 them; walls, lid and bumps move with it. Limits: small slopes, so that walls and lid stay at their places; an axis of
-rocking below the surface adds motion along the plate. In space only.
+rocking below the surface adds motion along the plate. Only in 3D simulations.
 """
 
 import math
@@ -36,7 +36,7 @@ Four = tuple[float, float, float, float]
 
 
 class Sway(NamedTuple):
-    """A plate that moves along itself and tilts, as four numbers: displacements along x and z (mm), slopes along both."""
+    """A plate that moves along itself and tilts, by four numbers: displacements along x and z (mm) and slopes."""
 
     moves: bool
     """Whether it does either."""

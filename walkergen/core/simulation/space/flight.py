@@ -1,11 +1,11 @@
-"""Flight in space: C falls, the body is a free top, legs swing, each exactly or nearly so.
+"""Flight in the 3D simulation: C falls, the body is a free top, legs swing, each exactly or nearly so.
 
 The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the body's turn. The top
 keeps its angular momentum exactly and turns by the implicit midpoint rule, solved to rounding.
 
 `world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
 `work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
-(rad/s, body axes) at which body and legs would turn together with locked joints.
+(rad/s, body axes) at which body and legs would turn together with locked joints. k numbers the contacts.
 """
 
 import math
@@ -65,7 +65,8 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
     """Bound how much faster (mm/s) the legs' swing may bring contact k to its surface than it moves now.
 
     The surface is the plate (`side` 1), or the lid (-1). `leg` is the number of the contact's leg (-1: none), `f` the
-    number of coordinates of each leg. `R` and `points` are of `Work`, `shift` and `fast` (frequencies squared) of `Walker`.
+    number of coordinates of each leg. `R` and `points` are of `Work`, `shift` and `fast` (angular frequencies squared)
+    of `Walker`.
     """
     n, speed = shift.shape[1], 0.0
     for j in range(n):
@@ -199,7 +200,7 @@ def clear_time(world, state, work, longest):
 
 @lean
 def _swing(walker, work, state, level):
-    """Swing the legs for a flight of Options.step 2^level seconds, from `work.before`. Return their dampers' energy."""
+    """Swing the legs for Options.step 2^level seconds; keep the old ones in `work.before`. Return the damped energy."""
     n = len(walker.stiffness)
     before = legs_energy(walker, state)
     P = walker.flights[level + HALVINGS]

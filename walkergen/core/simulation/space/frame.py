@@ -5,7 +5,7 @@ h c / 2 + h^2 k / 4: no step is too long for a stiff leg.
 
 `world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
 `work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
-(rad/s, body axes) at which body and legs would turn together with locked joints.
+(rad/s, body axes) at which body and legs would turn together with locked joints. k numbers the contacts.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The walker in space on elastic feet: its first state, its energy, and the feet and plate that each run draws.
+"""3D simulation of a walker on elastic feet: its first state, its energy, and the feet and plate that each run draws.
 
 A state is a 1-d array, whose entries are named by constants as C_X (state.py). C is the centre of mass of the whole
 walker, O that of its body. W is the rate at which body and legs would turn together with locked joints.

@@ -1,4 +1,4 @@
-"""Points of a walker in space: corners of its feet, points that touch walls or a lid, the hull of its body.
+"""Points of a walker in the 3D simulation: corners of its feet, points that touch walls or a lid, the hull of its body.
 
 A body is as good as the convex hull of its corners: 8 of a rectangle, at most `MAX_HULL_POINTS` of others. A
 round body touches walls and lids at `DIRECTION_COUNT` points of its outline, between which it reaches up to 2 % of its
@@ -72,7 +72,10 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
 
 
 def mirror_order(walker: Walker) -> Any:
-    """Return the numbers of a walker's contact points in the order of its mirror image's points, shape (k,)."""
+    """Return the numbers of a walker's contact points in the order of its mirror image's points, shape (k,).
+
+    Corners of feet (`place` 0) come first, then points that touch walls (> 0) or a lid (< 0).
+    """
     feet = np.flatnonzero(walker.place == 0.0).reshape(-1, 2)[::-1].ravel()
     others = [np.flatnonzero(kind) for kind in (walker.place > 0.0, walker.place < 0.0)]
     return np.concatenate([feet, *(kind[_order_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])

@@ -1,9 +1,9 @@
-"""Layout of a state in space, what kernels know of the walker, and its work space.
+"""Layout of a state of the 3D simulation, the data on a walker that kernels read, and their work space.
 
-Axes: x along the lane, y up, z across; the body's own axes are the same when it stands level. The place is that of C,
-the centre of mass of the whole walker. The rotation is kept as the turning rate that body and legs would share if the
-joints were locked (W, body axes): with both, the kinetic energy has no cross terms, and gravity and free flight are
-exact (docs/physics.md section 7).
+Axes: x along the lane, y up, z across; the body's own axes are the same when it stands level. The position is that of
+C, the centre of mass of the whole walker; O is that of its body. The rotation is kept as the turning rate that body and
+legs would share if the joints were locked (W, body axes): with both, the kinetic energy has no cross terms, and gravity
+and free flight are exact (docs/physics.md section 7).
 
 A state is a float64 array: what a trajectory shows, in the plate's plane (y to the left of x); the motion; the drive's
 phase, the noise's time, the time at rest; then the legs' coordinates and their rates; then a row for each contact.

@@ -1,4 +1,4 @@
-"""Time stepping in space: frozen frames of implicit midpoint steps, and flights between them.
+"""Time steps of the 3D simulation: frozen frames of implicit midpoint steps, and flights between them.
 
 Within a frame the pose's directions and Jacobians are held, so that corner velocities obey linear
 equations with Coulomb's cones; exact gaps are computed again in every frame. A contact that touches
@@ -7,7 +7,7 @@ order. While no contact can close, the walker flies (flight.py).
 
 `world` holds what stays the same in a run, `state` (1-d array, entries named by constants as C_X) what changes, and
 `work` memory for results (state.py). C is the centre of mass of the whole walker, O that of its body. W is the rate
-(rad/s, body axes) at which body and legs would turn together with locked joints.
+(rad/s, body axes) at which body and legs would turn together with locked joints. k numbers the contacts.
 """
 
 import math

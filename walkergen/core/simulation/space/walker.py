@@ -1,4 +1,4 @@
-"""Walker in space: inertia of body and legs, springs, and points of contact, from its masses.
+"""Walker of the 3D simulation: inertia of body and legs, springs, and points of contact, from its masses.
 
 The mass matrix is that of relaxed legs. In the coordinates of `state` (C, shared turning rate W,
 legs) it is block-diagonal: M, inertia about C, and the legs' own block.
