@@ -38,7 +38,7 @@ def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: 
     if len(sums) < MIN_SAMPLES:
         reason = f"{len(sums)} independent samples; at least {MIN_SAMPLES}"
         return {name: refusal(name, reason) for name in ALIGNMENT_NAMES}
-    ratios = np.array([_covariances(sums.sum(axis=0) - left) for left in (0.0 * sums[0], *sums)])
+    ratios = np.array([_covariances(sums.sum(axis=0) - left_out) for left_out in (0.0 * sums[0], *sums)])
     (_, across, spread), errors = ratios[0], statistics.jackknife_error(ratios[1:])
     if not spread > MIN_SIGNIFICANCE * errors[2]:
         return {name: refusal(name, ALIKE_REASON) for name in ALIGNMENT_NAMES}
@@ -70,8 +70,8 @@ def remove_slope_turning(track: Track, rate: float, interval: float, descent: fl
 def _sample_sums(track: Track, descent: float) -> Array:
     """Return sums over the samples of a track, shape (8,); `descent` is the direction of descent, rad.
 
-    They are: number; sine of descent less heading, a sample before and in the middle; turn (rad); drift to the left
-    (mm); products of the first sine with the second, the turn and the drift.
+    In this order: number of samples; sin(descent - heading) one sample earlier; the same at the middle of the sample;
+    turn (rad); drift to the left (mm); the first sine times the second, times the turn, times the drift.
     """
     if track.heading is None or track.position.shape[1] < 2:
         return np.zeros(8)
@@ -83,13 +83,13 @@ def _sample_sums(track: Track, descent: float) -> Array:
     rows = np.stack(
         [np.ones_like(sine), first_sine, sine, turn, drift, *(first_sine * each for each in (sine, turn, drift))]
     )
-    known = np.isfinite(rows).all(axis=0)
+    finite = np.isfinite(rows).all(axis=0)
     if (away_from_walls := track.free_samples(2)) is not None:
-        known &= away_from_walls[: len(known)]
-    return np.asarray(rows[:, known].sum(axis=1))
+        finite &= away_from_walls[: len(finite)]
+    return np.asarray(rows[:, finite].sum(axis=1))
 
 
 def _covariances(sums: Array) -> tuple[float, float, float]:
-    """Return covariances of the first sine with turn, drift (mm) and second sine, from the sums of `_sample_sums`."""
+    """Return the covariances of the earlier sine with turn, drift (mm) and middle sine, from sums of `_sample_sums`."""
     _, sine, middle_sine, turn, drift, sine_products, turn_products, drift_products = sums / max(sums[0], 1.0)
     return turn_products - sine * turn, drift_products - sine * drift, sine_products - sine * middle_sine

@@ -100,9 +100,10 @@ class DisplacementFit(NamedTuple):
 
 
 def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> DisplacementFit:
-    """Fit the mean squared displacement of all samples, then that without each one.
+    """Fit the mean squared displacement of all samples, then that without each sample.
 
-    `squares`: one for each, by `lag`; `turns`: mean rates of turning, rad/s. Parameters are NaN where lags are too few.
+    `squares` (mm^2, each of shape (lags,)) and `turns` (mean rates of turning, rad/s) have an entry for each of these
+    fits. Parameters are NaN where lags are too few.
     """
     values = np.stack(squares)
     use = np.isfinite(values).all(axis=0)
@@ -149,7 +150,10 @@ def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier:
 
 
 def _replicate_errors(values: Array) -> Array:
-    """Return the error of each row of `values`; with a common one the jackknife would miss the weights' chance."""
+    """Return standard errors for each row of `values`, of the same shape.
+
+    Each row has its own, because the jackknife must include the scatter of the weights.
+    """
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
     resamples = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
@@ -158,13 +162,16 @@ def _replicate_errors(values: Array) -> Array:
 
 def smooth_errors(lag: Array, errors: Array) -> Array:
     """Smooth errors over the lags by a parabola in logarithms: weights should not contain their own scatter."""
-    at = np.log(lag)
-    smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
+    log_lag = np.log(lag)
+    smooth: Array = np.exp(np.polyval(np.polyfit(log_lag, np.log(errors), 2), log_lag))
     return smooth
 
 
 def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
-    """Return the largest ratio of a run's term to its error, over rates of losing direction; one turn a row."""
+    """Return the largest ratio of a run's speed2 to its error, over trial rates of losing direction.
+
+    Rows of `values` and `errors`, and `turns`: all samples, then without each one.
+    """
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
         [
@@ -199,8 +206,8 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, with_run: bo
 
     logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATE_COUNT)
     best = int(np.argmin([misfit(log) for log in logs]))
-    ends = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
-    finest = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-7})
+    bracket = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
+    finest = minimize_scalar(misfit, bounds=bracket, method="bounded", options={"xatol": 1e-7})
     return _solve_linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
 
 
@@ -239,9 +246,10 @@ def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tu
 def _solve_linear(
     lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
 ) -> tuple[Spread, float]:
-    """Fit the linear parameters of runs with these rates (1/s); return all, and the sum of squared residuals.
+    """Fit the linear parameters of up to two runs with these `rates` (1/s) of losing direction.
 
-    With two runs there is no diffusion term. It is the limit of the second run at a high rate.
+    Return all parameters, and the sum of squared residuals. With two runs there is no diffusion term, because the
+    second run at a high rate is diffusion.
     """
     terms = [np.ones_like(lag), *(persistent_walk.run_squared_displacement(lag, rate, turn) for rate in rates)]
     if len(rates) < 2:
@@ -253,7 +261,7 @@ def _solve_linear(
     residuals = scaled - design @ solution
     offset, *others = map(float, solution)
     diffusion = 0.0 if len(rates) > 1 else others.pop()
-    (speed2, rate), (smooth2, smooth_rate) = (*zip(others, rates, strict=True), *NO_RUNS)[:2]
+    (speed2, rate), (smooth2, smooth_rate) = (*zip(others, rates, strict=True), *NO_RUNS)[:2]  # 0 for missing runs
     spread = Spread(speed2, rate, diffusion, offset, turn, smooth2, smooth_rate)
     return spread, float(residuals @ residuals)
 

@@ -154,7 +154,7 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute all numbers except those of the squared displacement on a plane; NaN without a meaning or a fit."""
+    """Return all numbers by name. NaN: without a meaning or a fit, or, on a plane, left to `from_spread`."""
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
     numbers["lane_speed"] = _ratio_or_nan(sums.run) / frame.interval
     _add_moments(numbers, "parallel", sums.along)
@@ -229,14 +229,15 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
 
 
 def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
-    """Fit the correlation of directions: amplitude, rate (1/s), turn (rad/s); with `frame.memory` its time (s).
+    """Fit the correlation of directions, `values` with `errors` by `lag` (s); None if the fit fails.
 
-    `values` and `errors` by `lag` (s). Displacements span `window` (s); 0 for headings. None without a fit.
+    Return amplitude, rate of decay (1/s), mean turn (rad/s) and, with `frame.memory`, the time (s) for which a rate of
+    turning lasts. Displacements span `window` (s); 0 for headings.
     """
 
     def model(lags: Array, amplitude: float, rate: float, turn: float) -> Complex:
         """Return the correlation at these lags (s) of a walk whose directions turn without memory."""
-        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
+        # Less the mean turning over a time T, diffusion is smaller by the share lag / T (a Brownian bridge).
         return persistent_walk.velocity_correlation(lags * (1.0 - lags / frame.own_s), amplitude, rate, turn, window)
 
     def with_memory(lags: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
@@ -250,7 +251,7 @@ def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window:
 
 
 def _guess_with_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
-    """Guess amplitude, rate (1/s), turn (0) and memory (s) of the correlation `values` at lags (s), by lines."""
+    """Guess amplitude, rate (1/s), turn (0) and memory (s) from lines through log(`values`) at lags (s)."""
     log_size, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
     guesses = []
     for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
@@ -286,7 +287,7 @@ def _body_velocity(sums: Moments) -> complex:
 def _extrapolated_share(correlation: Callable[[Array], Array]) -> float:
     """Return the share of a speed that the extrapolation of `_body_velocity` gives.
 
-    It is 1 up to second order in the turn of a sample. `correlation`: that of headings by lag (samples).
+    It is 1 up to second order in the turn of a sample. `correlation` returns that of headings at lags in samples.
     """
     nodes, weights = np.polynomial.legendre.leggauss(8)
     near, far = (0.5 * float(weights @ correlation(first + 0.5 + 0.5 * nodes)) for first in (0.0, 1.0))
@@ -294,16 +295,16 @@ def _extrapolated_share(correlation: Callable[[Array], Array]) -> float:
 
 
 def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
-    """Guess amplitude, rate (1/s) and turn (rad/s, followed over lags) of the correlation `values` at lags (s)."""
+    """Guess amplitude, rate (1/s) and turn (rad/s, unwrapped over lags) of the correlation `values` at lags (s)."""
     size = np.abs(values)
     turn = 0.0
-    for at, value, error in zip(lag, values, errors, strict=True):
+    for seconds, value, error in zip(lag, values, errors, strict=True):
         if abs(value) > 3.0 * error:
-            turn += float(np.angle(value * np.exp(-1j * turn * at))) / at
+            turn += float(np.angle(value * np.exp(-1j * turn * seconds))) / seconds
     fallen = np.flatnonzero(size < size[0] / math.e)
     # Without a fall to 1/e: the rate from the drop between the first and the last lag.
-    at, fall = (fallen[0], 1.0) if len(fallen) else (-1, math.log(size[0] / size[-1]))
-    return float(size[0]), fall / lag[at], turn
+    index, fall = (fallen[0], 1.0) if len(fallen) else (-1, math.log(size[0] / size[-1]))
+    return float(size[0]), fall / lag[index], turn
 
 
 def from_spread(spread: Spread, interval: float) -> dict[str, float]:

@@ -31,7 +31,7 @@ TURN_POWERS = {
 def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: bool) -> Quantity:
     """Replace the error of a number by that over walkers if these differ, or if `always`.
 
-    `leave_one_out`: the number of all walkers, then without each one.
+    `leave_one_out`: the number's values, from all walkers, then without each walker.
     """
     freedom, values = len(leave_one_out) - 1, np.array(leave_one_out)[:, None]
     if freedom < 1 or not number.se or not np.isfinite(values).all():
@@ -45,8 +45,8 @@ def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: 
 def with_detection_limit(number: Quantity, share: float) -> Quantity:
     """Widen the bounds of a diffusivity or crossover time that is reported only if the run's rate is large enough.
 
-    `share`: the least such rate over the estimated one. Chance can make the rate large and the number small: its upper
-    bound allows for that.
+    `share`: the smallest rate that is reported, divided by the estimated one; 0 without a limit. Chance can make the
+    rate large and the number small: its upper bound allows for that.
     """
     return number._replace(least=share / number.number) if share and number.key in SPREADING_QUANTITIES else number
 
@@ -69,11 +69,11 @@ def _with_variance_bounds(number: Quantity, power: int) -> Quantity:
     The degrees of freedom match its relative error; fewer if that is itself uncertain, but at least one. A rate that
     may be 0 or less keeps its own bounds. A diffusivity with a value is above 0, however few the walkers are.
     """
-    ends = number.interval()
+    bounds = number.interval()
     if (
-        ends is None
+        bounds is None
         or not number.se
-        or not (ends[0] > 0.0 or (number.key in SPREADING_QUANTITIES and number.number > 0.0))
+        or not (bounds[0] > 0.0 or (number.key in SPREADING_QUANTITIES and number.number > 0.0))
     ):
         return number
     wider = student_quantile(math.inf, 0.975) / student_quantile(number.freedom, 0.975)

@@ -90,21 +90,21 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
 def sum_free_squares(position: Array, lags: Whole, free_time: Whole) -> tuple[Array, Array]:
     """Sum |r(t + lag) - r(t)|^2 over pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
-    for at, lag in enumerate(lags):
+    for index, lag in enumerate(lags):
         moved = (position[lag:] - position[:-lag])[free_time[:-lag] >= lag]
         square = (moved**2).sum(axis=1)
         known = ~np.isnan(square)
-        sums[at], counts[at] = square[known].sum(), known.sum()
+        sums[index], counts[index] = square[known].sum(), known.sum()
     return sums, counts
 
 
 def sum_free_products(series: Complex, lags: Whole, free_time: Whole) -> tuple[Complex, Array]:
     """Sum conj(z(t)) z(t + lag) over pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
-    for at, lag in enumerate(lags):
+    for index, lag in enumerate(lags):
         products = (np.conj(series[:-lag]) * series[lag:])[free_time[: len(series)][:-lag] >= lag]
         known = ~np.isnan(products)
-        sums[at], counts[at] = products[known].sum(), known.sum()
+        sums[index], counts[index] = products[known].sum(), known.sum()
     return sums, counts
 
 

@@ -50,11 +50,14 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
 
 
 def _group_corners(time: Array, corner: Whole, corners: int) -> Mask:
-    """Return which corners land in each group, shape (groups, corners); times (s) are sorted, one a landing."""
-    firsts, at = [], 0
-    while at < len(time):
-        firsts.append(at)
-        at = int(np.searchsorted(time, time[at] + MAX_GROUP_S, side="right"))
+    """Return whether each corner lands in each group, shape (groups, corners).
+
+    `time` (s, sorted) and `corner` have an entry for each landing; `corners` is the number of corners.
+    """
+    firsts, index = [], 0
+    while index < len(time):
+        firsts.append(index)
+        index = int(np.searchsorted(time, time[index] + MAX_GROUP_S, side="right"))
     landed = np.zeros((len(firsts), corners), dtype=bool)
     if firsts:
         group = np.searchsorted(firsts, np.arange(len(time)), side="right") - 1

@@ -68,7 +68,7 @@ class Motion(NamedTuple):
     method: str
     """Meaning of `speed` and origin of the errors, as text."""
     doubts: list[str]
-    """Reasons to doubt what a number means; those to doubt tracks of a film are in `doubts`."""
+    """Reasons to doubt what a number means; `track_warnings` has those to doubt the tracks themselves."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     exponent: Curve
@@ -199,15 +199,15 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         ]
         if comparison is not None:
             comparison = comparison._replace(means=particle_scatter.add_shared_error(comparison.means, shortened))
-    few = tracks.tracks if in_pieces and comparison is not None else ()
-    without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in few)]
-    unlike, between_turns = verdicts.evaluate_all(without_one, frame), turning.scatter(turnings)
+    single_tracks = tracks.tracks if in_pieces and comparison is not None else ()
+    without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in single_tracks)]
+    numbers_without_one, between_turns = verdicts.evaluate_all(without_one, frame), turning.scatter(turnings)
     estimates = verdicts.attach_errors(
         numbers[0],
         numbers[1:],
         frame,
         fit,
-        spread_numbers.add_refit(unlike[1:], without_one[1:], frame, fit),
+        spread_numbers.add_refit(numbers_without_one[1:], without_one[1:], frame, fit),
         lags * tracks.interval,
         _effective_freedom(parts, int(fitted.sum()) - 1),
         between_turns.known or (comparison is not None and comparison.scatter.known),
@@ -216,8 +216,8 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         estimates |= _speed_means(means_of_walkers, comparison, frame)
     elif comparison is not None and not (headed or tracks.lane):
         estimates |= _mean_of_roots(estimates, comparison.scatter)
-    lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
-    estimates["speed_scatter"] = comparison.scatter if comparison else lone
+    no_scatter = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
+    estimates["speed_scatter"] = comparison.scatter if comparison else no_scatter
     if on_plane:
         estimates |= interval_laws.turning_scatter_refusals(estimates, between_turns) | {
             "turning_scatter": between_turns
@@ -292,20 +292,21 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
     along, across = (np.concatenate(parts) for parts in zip(*moved, strict=True))
     # Displacements without headings must not share a position, whose noise would correlate them.
     first = 1 if headed else step + 1
-    last, most = length // FITTED_LAG_DIVISOR, max(longest // 4, 1)
+    max_turn_lag, max_square_lag = length // FITTED_LAG_DIVISOR, max(longest // 4, 1)
     reach = [track.reach for track in tracks.tracks if track.reach is not None]
     if reach:  # walls end the pairs that are free, not the tracks
-        most = min(most, max(_longest_free_lag(reach, 1 if headed else 2 * step + 1), 1))
-        last = min(last, most - (0 if headed else step))
-    turns = np.zeros(0, np.int64) if tracks.lane else lag_sums.log_spaced_lags(last, 32, first)
-    squares = lag_sums.log_spaced_lags(most, 64)
+        max_square_lag = min(max_square_lag, max(_longest_free_lag(reach, 1 if headed else 2 * step + 1), 1))
+        max_turn_lag = min(max_turn_lag, max_square_lag - (0 if headed else step))
+    turns = np.zeros(0, np.int64) if tracks.lane else lag_sums.log_spaced_lags(max_turn_lag, 32, first)
+    squares = lag_sums.log_spaced_lags(max_square_lag, 64)
     return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
 
 
 def _longest_free_lag(free_times: Sequence[Whole], shortest: int) -> int:
-    """Return the longest lag (samples) within which enough places stay free of walls.
+    """Return the longest lag (samples) during which enough positions stay out of reach of walls; 0 if none does.
 
-    `free_times`: for each track the samples after each place without a wall in reach; at least `shortest` count.
+    `free_times`: for each track, the samples after each position before a wall can be reached. Times below `shortest`
+    do not count.
     """
     free = np.concatenate(free_times)
     free = free[free >= shortest]
@@ -323,6 +324,7 @@ def _bin_edges(values: Array, step: int) -> Array:
 
 
 def _jackknife_error(replicates: Sequence[Array]) -> Array:
+    """Return jackknife errors from arrays of values, each without one sample."""
     return statistics.jackknife_error(np.stack(replicates))
 
 
@@ -334,9 +336,9 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
     below = np.searchsorted(lags, lags / HALF_OCTAVE, side="right") - 1
     above = np.searchsorted(lags, lags * HALF_OCTAVE)
     (inside,) = np.nonzero((below >= 0) & (above < len(lags)))
-    heights, at = np.log(np.where(values > 0, values, np.nan)), np.log(lags)
+    heights, log_lags = np.log(np.where(values > 0, values, np.nan)), np.log(lags)
     low, high = below[inside], above[inside]
-    before, after = at[inside] - at[low], at[high] - at[inside]
+    before, after = log_lags[inside] - log_lags[low], log_lags[high] - log_lags[inside]
     rise, fall = heights[inside] - heights[low], heights[high] - heights[inside]
     exponents = np.full(len(lags), np.nan)
     exponents[inside] = (rise * after / before + fall * before / after) / (before + after)
@@ -344,7 +346,10 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
 
 
 def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Curve:
-    """Return `values` of all samples, with errors from those without each one; NaN beyond half a sample's length."""
+    """Return the curve of `values` by lag: those of all samples, with errors from the others, without each one.
+
+    Errors are NaN beyond half of a sample's `length`. Lags and length are in positions.
+    """
     resolved = lags <= int(length) // 2
     return Curve(lags.astype(float), values[0], np.where(resolved, _jackknife_error(values[1:]), np.nan))
 
@@ -406,7 +411,7 @@ def _scatter_doubts(estimates: Mapping[str, Quantity], descent: float | None) ->
 def _describe_method(
     frame: Frame, in_pieces: bool, comparison: WalkerComparison | None, samples: int, length_s: float
 ) -> str:
-    """Describe what `speed` means, and errors: from particles, or `in_pieces` of tracks of `length_s` s."""
+    """Describe what `speed` means and where errors come from: particles or, `in_pieces`, tracks cut to `length_s` s."""
     if frame.lane:
         speed = "along the lane"
     elif frame.headed:

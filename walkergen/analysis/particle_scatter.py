@@ -68,7 +68,7 @@ class _Series(NamedTuple):
     samples: Array
     """Numbers of samples that they span, shape (n,)."""
     unit: float
-    """Value of a mean step of 1 per sample."""
+    """Factor from a mean step per sample to the speed or rate."""
     blocks: Array
     """The mean itself over blocks of neighbouring samples, whose correlation its error needs."""
     squared: bool = False
@@ -119,7 +119,7 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
         seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
         seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
         series = _walker_series(track, frame, shortened, turns[track.particle])
-        means = {name: _series_mean(name, own, frame) for name, own in series.items()}
+        means = {name: _series_mean(name, steps, frame) for name, steps in series.items()}
         means_of_walkers.append(WalkerMeans(track.particle, seconds, means))
     return means_of_walkers
 
@@ -130,15 +130,15 @@ def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) ->
     `shortened`: share of a speed that displacements show; `turn`: mean turn per sample, rad.
     """
     step, interval = frame.grid.step, frame.interval
-    place = moments.complex_position(track)
-    seen = np.flatnonzero(~np.isnan(place))
-    blocks = np.diff(place[::step]).real / (step * interval)
-    along = _Series(np.diff(place[seen]).real, np.diff(seen), 1.0 / interval, blocks)
+    position = moments.complex_position(track)
+    seen = np.flatnonzero(~np.isnan(position))
+    blocks = np.diff(position[::step]).real / (step * interval)
+    along = _Series(np.diff(position[seen]).real, np.diff(seen), 1.0 / interval, blocks)
     if frame.lane:
         return {"lane_speed": along, "speed": along}
     if not math.isfinite(shortened) or (frame.headed and track.heading is None):
-        none = _Series(np.zeros(0), np.zeros(0), math.nan, np.zeros(0))
-        return {"lane_speed": along, "speed": none}
+        unknown = _Series(np.zeros(0), np.zeros(0), math.nan, np.zeros(0))
+        return {"lane_speed": along, "speed": unknown}
     if not frame.headed:
         moved, lag = moments.direction_vectors(track, step), frame.first_lag
         products = moments.mask_near_walls(np.conj(moved[:-lag]) * moved[lag:], track.free_samples(lag + step))
@@ -211,10 +211,10 @@ def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
 
 
 def _error_if_correlated(blocks: Array, block_s: float, piece_s: float) -> tuple[float, str] | None:
-    """Return the error of the mean of blocks of `block_s` s, or the reason why there is none (else '').
+    """Return the error of the mean of correlated blocks of `block_s` s and '', or NaN and the reason why there is none.
 
-    None if pieces of `piece_s` s are independent, or without blocks. Otherwise the correlation time of the blocks gives
-    their number of independent samples.
+    The correlation time of the blocks gives their number of independent samples. Return None without blocks, or if
+    pieces of `piece_s` s are independent.
     """
     if not len(blocks):
         return None
@@ -253,8 +253,8 @@ def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
             len(walkers), means, refusal("speed_scatter", reason), "no error within a track is known"
         )
     noise = float(np.mean(np.square(errors)))
-    inside = sum(min(speed.freedom, statistics.MIN_SAMPLES) for speed in speeds)
-    scatter = walker_scatter("speed_scatter", np.array([speed.value for speed in speeds]), noise, inside)
+    noise_freedom = sum(min(speed.freedom, statistics.MIN_SAMPLES) for speed in speeds)
+    scatter = walker_scatter("speed_scatter", np.array([speed.value for speed in speeds]), noise, noise_freedom)
     return WalkerComparison(len(walkers), means, scatter, _limiting_error(scatter, noise))
 
 
@@ -270,7 +270,7 @@ def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict
 
 
 def _limiting_error(scatter: Quantity, noise: float) -> str:
-    """Describe which limits the mean: `scatter` between walkers, or `noise` (mean squared error of a track)."""
+    """Describe what limits the mean speed: `scatter` between walkers, or errors within tracks (mean square: `noise`)."""
     if scatter.value is None:
         return "walkers are alike within the errors of their tracks, which limit: film for longer"
     if scatter.value**2 > noise:

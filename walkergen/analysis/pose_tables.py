@@ -95,18 +95,18 @@ def from_bodies(
 
     `clock` is the column (frame or time) of `times`; `named` has names and units of columns.
     """
-    placed = [_body_pose(parts) for parts in bodies.values()]
-    heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
-    walkers = [places if heads else places[:2] for places, _ in placed]
+    poses = [_body_pose(parts) for parts in bodies.values()]
+    all_have_headings = all(len(pose) == len(poses[0][0]) for pose, _ in poses)
+    walkers = [pose if all_have_headings else pose[:2] for pose, _ in poses]
     long = track_columns.to_long_table(table, clock, times, walkers, range(len(walkers)))
-    all_notes = (placed[0][1], *notes, *track_columns.format_labels([person for person in bodies if person]))
-    return Source(long, named, program, True, said=all_notes)
+    all_notes = (poses[0][1], *notes, *track_columns.format_labels([person for person in bodies if person]))
+    return Source(long, named, program, y_down=True, said=all_notes)
 
 
 def read_sleap(path: Path, names: list[str]) -> Source:
     """Read SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
-    ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
-    parts = [part for part in ends if f"{part}.y" in names]
+    part_names = (name.removesuffix(".x") for name in names if name.endswith(".x"))
+    parts = [part for part in part_names if f"{part}.y" in names]
     if not parts:
         raise InputError(f"{path}: no part has both columns .x and .y")
     labels = (
@@ -117,14 +117,14 @@ def read_sleap(path: Path, names: list[str]) -> Source:
     wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
     words = {"track": labels} if labels else {}
     table = columns.read_numbers(path, ["frame_idx"], wanted, words, file_reading.read_lines(path, columns.FORMAT_NAME))
-    own = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
-    (x, y, *theta), said = _body_pose(own)
+    parts_by_name = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
+    (x, y, *theta), note = _body_pose(parts_by_name)
     values = {"frame": table.values["frame_idx"], "x": x, "y": y}
     values |= {"particle": table.values["track"]} if labels else {}
     values |= {"theta": theta[0]} if theta else {}
     seen = np.isfinite(x)
     table = Columns({name: column[seen] for name, column in values.items()}, table.lines[seen], table.bad)
-    return Source(table, PIXEL_COLUMNS, "SLEAP", True, said=(said, *track_columns.format_labels(labels)))
+    return Source(table, PIXEL_COLUMNS, "SLEAP", y_down=True, said=(note, *track_columns.format_labels(labels)))
 
 
 def check_table_kind(path: Path, headers: Sequence[str]) -> None:
@@ -143,20 +143,20 @@ def _mask_unlikely(x: Array, y: Array, likelihood: Array | None) -> Part:
 
 
 def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
-    """Return x, y and, if two parts are its ends, heading (rad) of a body; and a note on the parts used."""
-    ends = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
-    middle, front, back = (found[0] if found else "" for found in ends)
+    """Return a body's pose (x, y and, if its head and tail are known, heading in rad) and a note on the parts used."""
+    matches = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
+    middle, front, back = (found[0] if found else "" for found in matches)
     if middle or len(parts) == 1:
         middle = middle or next(iter(parts))
-        place, said = parts[middle], f"places are those of the part {safe_text.shorten_line(middle)[:30]}"
+        position, note = parts[middle], f"places are those of the part {safe_text.shorten_line(middle)[:30]}"
     else:
-        place = Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
-        said = f"places are the mean of all {len(parts)} parts, in frames that show all of them"
+        position = Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
+        note = f"places are the mean of all {len(parts)} parts, in frames that show all of them"
     if not (front and back):
-        return place, f"{said}; no headings, because no two parts are called head and tail"
+        return position, f"{note}; no headings, because no two parts are called head and tail"
     ahead, behind = parts[front], parts[back]
     theta = np.arctan2(ahead.y - behind.y, ahead.x - behind.x)
     return (
-        *place,
+        *position,
         theta,
-    ), f"{said}, headings from {safe_text.shorten_line(back)[:30]} to {safe_text.shorten_line(front)[:30]}"
+    ), f"{note}, headings from {safe_text.shorten_line(back)[:30]} to {safe_text.shorten_line(front)[:30]}"

@@ -64,7 +64,7 @@ def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
 def _resample_regularly(table: Columns) -> tuple[Columns, str]:
     """Interpolate the rows to whole multiples of the median time between frames; return them and a note.
 
-    Nothing is made up where a frame is missing. A place between two frames has down to half the variance of its noise.
+    Times without frames stay empty. Between two frames, the noise of a position has down to half its variance.
     """
     order = np.lexsort((table.values["time"], table.values["particle"]))
     table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
@@ -73,13 +73,13 @@ def _resample_regularly(table: Columns) -> tuple[Columns, str]:
         return table, ""
     interval = float(np.median(steps[near]))
     near &= steps <= MAX_STEP_RATIO * interval
-    at = table.values["time"]
-    first, last = np.ceil(at[:-1] / interval), np.ceil(at[1:] / interval)  # the last belongs to the next
+    times = table.values["time"]
+    first, last = np.ceil(times[:-1] / interval), np.ceil(times[1:] / interval)  # the last belongs to the next
     counts = np.where(near, last - first, 0.0).astype(np.int64)
     rows = np.repeat(np.arange(len(counts)), counts)
     offsets = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
     regular_times = np.asarray(interval * (first[rows] + offsets), dtype=float)
-    share = (regular_times - at[rows]) / steps[rows]
+    share = (regular_times - times[rows]) / steps[rows]
     values: dict[str, Array] = {"time": regular_times}
     for name in table.values.keys() - {"time"}:
         column = table.values[name]
@@ -149,7 +149,7 @@ def _particle_numbers(table: Columns) -> Array:
 
 
 def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> Tracks:
-    """Sort rows into tracks, on the coarsest grid that holds all `ticks`: times in intervals (s) from 0 on."""
+    """Sort rows into tracks, on the coarsest grid with all `ticks`: the rows' times from 0 on, over `interval` (s)."""
     position = np.stack([table.values[axis] for axis in ("x", "y") if axis in table.values], axis=1)
     heading = table.values.get("theta")
     if heading is not None and np.isnan(heading).all():
@@ -194,7 +194,7 @@ def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> 
 def _build_track(
     path: Path, particle: int, rows: Whole, samples: Array, position: Array, heading: Array | None, plate_speeds: Array
 ) -> Track:
-    """Build the track of a particle from its rows at these samples; other arrays (mm, rad, mm/s) have all rows."""
+    """Build the track of a particle: `rows` are its indices in the other arrays (mm, rad, mm/s), at these `samples`."""
     index = samples.astype(np.int64)
     grid = np.full((int(index[-1]) + 1, position.shape[1]), np.nan)
     grid[index] = position[rows]

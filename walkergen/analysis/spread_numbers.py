@@ -52,7 +52,7 @@ def _add_spreads(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], fr
 
 
 def _turning_rates(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
-    """Return the mean rate of turning of each, rad/s; 0 if displacements are too noisy. `headed`: with headings."""
+    """Return the mean turning rate of each entry, rad/s; 0 if displacements are too noisy. `headed`: with headings."""
     if headed or verdicts.is_resolved(verdicts.jackknife_quantity(numbers, "amplitude")):
         return [sample["turning_bias"] for sample in numbers]
     return [0.0] * len(numbers)

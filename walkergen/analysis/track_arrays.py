@@ -254,7 +254,7 @@ def _from_parts(
     if not parts:
         walkers = list(zip(x[:, 0], y[:, 0], strict=True))
         long = track_columns.to_long_table(table, clock, ticks, walkers, range(len(x)))
-        return Source(long, named, program, True, said=track_columns.format_labels(individuals))
+        return Source(long, named, program, y_down=True, said=track_columns.format_labels(individuals))
     bodies = {
         individual: {part: pose_tables.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
         for n, individual in enumerate(individuals or map(str, range(len(x))))
@@ -267,8 +267,8 @@ def _from_walkergen(arrays: ArrayFile, x: Array, y: Array, individuals: Sequence
     theta = _reorder_dimensions(arrays, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
     runs = [individual.rpartition("_")[2] for individual in individuals]
-    named = len(runs) == len(x) and all(map(str.isdigit, runs))
-    numbers = [float(run) for run in (runs if named else range(len(x)))]
+    are_numbered = len(runs) == len(x) and all(map(str.isdigit, runs))
+    numbers = [float(run) for run in (runs if are_numbered else range(len(x)))]
     walkers = list(zip(x, y, theta, strict=True))
     long = track_columns.to_long_table(table, "time", arrays.values["time"], walkers, numbers)
     if lane or not (np.nan_to_num(y).any() or np.nan_to_num(theta).any()):

@@ -148,15 +148,16 @@ def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
 
     Raises InputError for two columns of headings with different units.
     """
-    held: dict[str, list[tuple[int, NamedColumn]]] = {}
+    candidates: dict[str, list[tuple[int, NamedColumn]]] = {}
     for name in names:
         for what, rank, unit in _possible_kinds(name):
-            held.setdefault(what, []).append((rank, NamedColumn(name, unit)))
-    if len(held.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
+            candidates.setdefault(what, []).append((rank, NamedColumn(name, unit)))
+    if len(candidates.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
         raise InputError("both theta (rad) and theta_deg; keep one")
     # Of equal names the one that states a unit beyond pixels
     return {
-        what: min(found, key=lambda each: (each[0], each[1].unit in ("", PIXEL)))[1] for what, found in held.items()
+        what: min(found, key=lambda each: (each[0], each[1].unit in ("", PIXEL)))[1]
+        for what, found in candidates.items()
     }
 
 
@@ -227,9 +228,10 @@ def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
 def to_long_table(
     table: Columns, clock: str, times: Array, walkers: Sequence[tuple[Array, ...]], numbers: Sequence[float]
 ) -> Columns:
-    """Return a table with a row for each walker in each frame, from one with a row for each frame.
+    """Return a table with a row for each walker in each frame, from arrays by frame.
 
-    `walkers`: x, y and, for all or none, theta of each. `clock` (frame or time) is the column of `times`.
+    `walkers`: x, y and, for all or none, theta of each; `numbers`: their numbers. `clock` ("frame" or "time") is the
+    column for `times`. `table` has a row for each frame, of which lines and reasons of bad rows are used.
     """
     parts: dict[str, list[Array]] = {clock: [], "particle": [], "x": [], "y": [], "theta": []}
     lines = []

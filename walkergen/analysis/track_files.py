@@ -73,22 +73,22 @@ def read_tracks(path: Path, units: Units) -> Tracks:
     if source.program == WALKERGEN_PROGRAM:
         return _read_walkergen(path, source, units, given)
     _check_same_units(path, source, given)
-    clock, timed, said = _choose_clock(path, source, units, given)
+    clock, has_times, notes = _choose_clock(path, source, units, given)
     length, lengths = _length_unit(path, source, units, given)
     values = dict(source.table.values)
-    down = -1.0 if source.y_down or units.y_down else 1.0
+    y_sign = -1.0 if source.y_down or units.y_down else 1.0
     values["x"] = length * values["x"]
     if units.lane:
         values = {name: column for name, column in values.items() if name not in ("y", "theta")}
     else:
-        values["y"] = down * length * values["y"]
-        said += (_describe_y_axis(source, units),)
+        values["y"] = y_sign * length * values["y"]
+        notes += (_describe_y_axis(source, units),)
         if "theta" in values:
             angle, angles = _angle_unit(path, source, given)
-            values["theta"] = (1.0 if source.mirrored else down) * angle * values["theta"]
-            said += (angles,)
+            values["theta"] = (1.0 if source.mirrored else y_sign) * angle * values["theta"]
+            notes += (angles,)
     table = source.table._replace(values=values)
-    if timed:
+    if has_times:
         values["time"] = clock * values["time"]
         table = table.reject_rows(np.isnan(values["time"]), "has no time")
         tracks = sampling.from_times(path, table, source.named["time"].name)
@@ -98,18 +98,18 @@ def read_tracks(path: Path, units: Units) -> Tracks:
     error = units.mm_per_px_se
     share = None if error is None or units.mm_per_px is None else error / units.mm_per_px
     program = (f"taken for a file of {source.program}",) if source.program else ()
-    lines = [tracks.note, *program, *source.said, lengths, *said]
+    lines = [tracks.note, *program, *source.said, lengths, *notes]
     return tracks._replace(scale_se=share if units.mm_per_px else 0.0, note="; ".join(line for line in lines if line))
 
 
 def _parse_units(text: str) -> _Given:
     """Parse a text such as "cm,ms,deg". Raises InputError for an unknown unit, and for two of a kind."""
-    held: dict[str, str] = {}
+    units: dict[str, str] = {}
     for word in filter(None, (word.strip() for word in text.split(","))):
         unit = track_columns.canonical_unit(word)
         kinds = (("length", (*LENGTH_UNITS_MM, PIXEL)), ("time", (*TIME_UNITS_S, "frame")), ("angle", ANGLE_UNITS_RAD))
         kind = next((kind for kind, known in kinds if unit in known), "")
-        if not kind or kind in held:
+        if not kind or kind in units:
             raise InputError(
                 f"‹unit=›{safe_text.shorten_line(text)[:40]}: must be a unit of places "
                 f"({', '.join((*LENGTH_UNITS_MM, PIXEL))}), of times "
@@ -117,8 +117,8 @@ def _parse_units(text: str) -> _Given:
                 "one of each, as cm,deg",
                 "unit",
             )
-        held[kind] = unit
-    return _Given(held.get("length"), held.get("time"), held.get("angle"))
+        units[kind] = unit
+    return _Given(units.get("length"), units.get("time"), units.get("angle"))
 
 
 def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
@@ -153,7 +153,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
-    """Choose the clock: seconds in a unit of the column time and True, or frames per second and False; with notes."""
+    """Return seconds per unit of the column time and True, or frames per second and False; and notes on the choice."""
     frames = "frame" in source.table.values
     named = source.named.get("time")
     unit = given.time or (named.unit if named else "")
@@ -162,8 +162,8 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
     if times is None or not np.isfinite(times).any() or unit == "frame":
         return _frame_rate(path, source, units), False, ()
     if frames and units.fps is not None:
-        told = () if named is None else (f"times are those of frames by ‹fps›, not of {named.name}",)
-        return _frame_rate(path, source, units), False, told
+        notes = () if named is None else (f"times are those of frames by ‹fps›, not of {named.name}",)
+        return _frame_rate(path, source, units), False, notes
     assert named is not None
     if unit:
         return _time_clock(path, source, units, TIME_UNITS_S[unit], ())
@@ -216,8 +216,8 @@ def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
             raise InputError(
                 f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave out ‹mm_per_px›"
             )
-        told = "by ‹unit›" if given.length else f"as {named.name} says"
-        return LENGTH_UNITS_MM[unit], f"places are in {unit}, {told}"
+        origin = "by ‹unit›" if given.length else f"as {named.name} says"
+        return LENGTH_UNITS_MM[unit], f"places are in {unit}, {origin}"
     if units.mm_per_px is not None:
         return _check_range("mm_per_px", units.mm_per_px), ""
     if unit == PIXEL or (by_frame and not unit):

@@ -72,7 +72,7 @@ def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
         next(stream)
     header = next(stream, "")
     if any(name in header for name in TREX_COLUMNS):
-        names = header.split(",")  # which have the frame once more
+        names = header.split(",")  # TRex writes the column frame twice
         header = ",".join(name if name not in names[:at] else "" for at, name in enumerate(names))
         stream = map(track_arrays.blank_infinite, stream)
     separator = track_columns.find_separator(header)
@@ -101,6 +101,7 @@ def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sou
         raise InputError(f"{path}: {error.text}") from None
     several = track_columns.coordinate_pairs(names)
     if several and "x" not in named:
+        # Labels 1 and 2 are walkers unless a column `particle` numbers these.
         if {*several} in track_columns.BOX_LABELS[("particle" not in named) :]:
             corners = ", ".join(name for pair in several.values() for name in pair)
             raise InputError(
@@ -110,41 +111,43 @@ def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sou
     program, y_down = _detect_program(names, named, titled)
     # A walker in a plane that is upright has a pitch, and y is its height
     lane = lane or (program == WALKERGEN_PROGRAM and "theta_rad" not in names)
-    for what in ("x",) if lane else ("x", "y"):
-        if what not in named:
-            raise track_columns.missing_column_error(path, names, what)
-    clock = next((what for what in ("frame", "time") if what in named), None)
+    for kind in ("x",) if lane else ("x", "y"):
+        if kind not in named:
+            raise track_columns.missing_column_error(path, names, kind)
+    clock = next((kind for kind in ("frame", "time") if kind in named), None)
     if clock is None:
         raise track_columns.missing_column_error(path, names, "time")
-    below = 0
+    unit_line_count = 0
     if program == "TrackMate":
-        below, named = _read_units_below(path, names, named)
+        unit_line_count, named = _read_units_below(path, names, named)
     if program == WALKERGEN_PROGRAM:
         clock = "time"
     if program == "Tracker" and "time" in named:
         named |= {"time": named["time"]._replace(unit=named["time"].unit or "s")}
     wanted = (clock, "x", *(() if lane else ("y",)))
     unread = (*wanted, "y", "theta") if lane else wanted
-    optional = {what: each.name for what, each in named.items() if what not in unread}
-    own = SCALE_COLUMNS if program == WALKERGEN_PROGRAM else (CLUSTER_COLUMN,) if program == "MTrackJ" else ()
-    optional |= {name: name for name in ("plate_speed_mm_s", *own)}
+    optional = {kind: column.name for kind, column in named.items() if kind not in unread}
+    program_columns = (
+        SCALE_COLUMNS if program == WALKERGEN_PROGRAM else (CLUSTER_COLUMN,) if program == "MTrackJ" else ()
+    )
+    optional |= {name: name for name in ("plate_speed_mm_s", *program_columns)}
     words_of: dict[str, list[str]] = {}
     label = optional.get("particle", "")
-    if labels := _read_labels(path, titled, below, label):
+    if labels := _read_labels(path, titled, unit_line_count, label):
         words_of = {optional.pop("particle"): labels}
-    required = {what: named[what].name for what in wanted}
-    lines = _table_lines(path, titled, below)
+    required = {kind: named[kind].name for kind in wanted}
+    lines = _table_lines(path, titled, unit_line_count)
     table = columns.read_numbers(path, list(required.values()), list(optional.values()), words_of, lines)
-    held = required | optional | dict.fromkeys(("particle",)[: len(words_of)], label)
-    values = {what: table.values[name] for what, name in held.items() if name in table.values}
-    said = (*_program_warnings(program), *track_columns.format_labels(labels))
+    names_by_kind = required | optional | dict.fromkeys(("particle",)[: len(words_of)], label)
+    values = {kind: table.values[name] for kind, name in names_by_kind.items() if name in table.values}
+    notes = (*_program_warnings(program), *track_columns.format_labels(labels))
     if (clusters := values.pop(CLUSTER_COLUMN, None)) is not None:
-        said += (_renumber_clusters(values, clusters),)
-    return Source(table._replace(values=values), named, program, y_down, program in MIRRORED_PROGRAMS, said)
+        notes += (_renumber_clusters(values, clusters),)
+    return Source(table._replace(values=values), named, program, y_down, program in MIRRORED_PROGRAMS, notes)
 
 
 def _renumber_clusters(values: dict[str, Array], clusters: Array) -> str:
-    """Replace `particle` by numbers unique in all clusters of MTrackJ, and return a note."""
+    """Replace `values["particle"]` in place by numbers unique in all of MTrackJ's `clusters`. Return a note."""
     pairs = np.stack([clusters, values["particle"]], axis=1)
     known = np.isfinite(pairs).all(axis=1)
     tracks, numbers = np.unique(pairs[known], axis=0, return_inverse=True)
@@ -201,7 +204,7 @@ def _is_word(label: str) -> bool:
 def _read_units_below(
     path: Path, names: list[str], by_kind: dict[str, NamedColumn]
 ) -> tuple[int, dict[str, NamedColumn]]:
-    """Count TrackMate's lines below the header that are no rows; return them, and its columns with their units."""
+    """Return the number of TrackMate's lines between header and rows, and its columns with the units stated there."""
     lines = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
     index = names.index("POSITION_X")
@@ -230,14 +233,14 @@ def _from_pairs(
     names = [name for pair in pairs.values() for name in pair]
     table = columns.read_numbers(path, [by_kind[clock].name] if clock else (), names, lines=_table_lines(path, titled))
     times = table.values[by_kind[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
-    by_program = all(label.isdigit() for label in pairs)
-    said = track_columns.format_labels(()) if by_program else track_columns.format_labels(tuple(pairs))
+    has_numbers = all(label.isdigit() for label in pairs)
+    notes = track_columns.format_labels(()) if has_numbers else track_columns.format_labels(tuple(pairs))
     if not clock:
-        said += ("rows are taken for frames, one after the other",)
+        notes += ("rows are taken for frames, one after the other",)
     walkers = [(table.values[x], table.values[y]) for x, y in pairs.values()]
-    numbers = [float(label) for label in pairs] if by_program else [float(n) for n in range(len(pairs))]
+    numbers = [float(label) for label in pairs] if has_numbers else [float(n) for n in range(len(pairs))]
     long = track_columns.to_long_table(table, clock or "frame", times, walkers, numbers)
-    unit = track_columns.PIXEL if by_program else ""
-    own = {"x": NamedColumn(names[0], unit), "y": NamedColumn(names[1], unit)}
-    own[clock or "frame"] = by_kind[clock] if clock else NamedColumn("row", "")
-    return Source(long, own, "idtracker.ai" if by_program else "", by_program, said=said)
+    unit = track_columns.PIXEL if has_numbers else ""
+    named = {"x": NamedColumn(names[0], unit), "y": NamedColumn(names[1], unit)}
+    named[clock or "frame"] = by_kind[clock] if clock else NamedColumn("row", "")
+    return Source(long, named, "idtracker.ai" if has_numbers else "", has_numbers, said=notes)

@@ -53,7 +53,7 @@ class _Walker(NamedTuple):
     """Walker, or the mean of several, that a row of the file of speeds represents."""
 
     at: int
-    """Place of that row among the usable ones."""
+    """Index of that row in the table of usable rows."""
     film: _Film
     particles: tuple[int, ...]
     estimate: Quantity
@@ -139,13 +139,13 @@ def _read_film(path: Path) -> _Film:
 
 def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
     """Yield the walkers that row `at` of the table names by number, or all if NaN. Raises InputError for others."""
-    lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
+    single_walkers = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
-        unknown = all(walker.speed is None for walker in lone)
-        if unknown and len(lone) > 1 and film.mean.se is not None:
+        unknown = all(walker.speed is None for walker in single_walkers)
+        if unknown and len(single_walkers) > 1 and film.mean.se is not None:
             yield _Walker(at, film, tuple(film.speeds), film.mean)
         else:
-            yield from lone
+            yield from single_walkers
     elif number in film.speeds:
         yield _Walker(at, film, (int(number),), film.speeds[int(number)])
     else:
@@ -200,19 +200,19 @@ def _missing_speed_reasons(table: Columns, walkers: Sequence[_Walker], usable: S
 
 def _film_notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
     """Yield the notes on a film: its speeds, walkers left out, doubts, and the error of its scale."""
-    own = [walker for walker in walkers if walker.film is film]
-    refused = [walker for walker in own if walker.speed is None]
-    means = [walker for walker in own if len(walker.particles) > 1]
+    film_walkers = [walker for walker in walkers if walker.film is film]
+    refused = [walker for walker in film_walkers if walker.speed is None]
+    means = [walker for walker in film_walkers if len(walker.particles) > 1]
     if means:
         reason = next(iter(film.speeds.values())).refused
         yield (
             f"{film.name}: the mean speed of {len(film.speeds)} walkers, one row: no walker's own "
             f"has an error: {reason}"
         )
-    elif len(refused) < len(own):
-        count = len(own) - len(refused)
+    elif len(refused) < len(film_walkers):
+        count = len(film_walkers) - len(refused)
         yield f"{film.name}: speeds of {count} walker{'' if count == 1 else 's'}, a row each"
-    if 0 < len(refused) < len(own):
+    if 0 < len(refused) < len(film_walkers):
         which = ", ".join(str(walker.particles[0]) for walker in refused[:10])
         yield f"{film.name}: left out: walker {which}: {refused[0].reason}"
     yield from (f"{film.name}: {note}" for note in film.notes)

@@ -58,7 +58,9 @@ def _from_rows(
         values["time"], named["time"] = frame_s * frame, NamedColumn("t", "s")
     table = Columns(values, np.array(lines, np.int64), bad)
     beyond = ~(np.abs(np.array(rows)) <= columns.MAX_MAGNITUDE).all(axis=1)
-    return Source(table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, True)
+    return Source(
+        table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, y_down=True
+    )
 
 
 def read_xml(path: Path) -> Source:

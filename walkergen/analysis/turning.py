@@ -93,22 +93,22 @@ def _walker_turning(track: Track, vectors: Complex, size: int, longest_gap: int,
     # Wrapped about the walker's mean turn, which may be more than half a turn across a gap.
     expected = turns[steps == 1].mean() * steps
     turns = expected + np.angle(np.exp(1j * (turns - expected)))
-    counted = steps <= longest_gap
+    is_known = steps <= longest_gap
     if track.reach is not None:
-        counted &= track.reach[seen[:-1]] >= steps
-    turns, steps, first, last = (turns[counted], steps[counted], seen[:-1][counted], seen[1:][counted])
+        is_known &= track.reach[seen[:-1]] >= steps
+    turns, steps, first, last = (turns[is_known], steps[is_known], seen[:-1][is_known], seen[1:][is_known])
     piece = np.searchsorted(np.linspace(0, len(vectors) - 1, count + 1), last) - 1
-    fresh = np.append(True, first[1:] != last[:-1])
-    starts = fresh | np.append(True, piece[1:] != piece[:-1])
-    turned, seconds, ends = (
-        np.bincount(piece, weights)[np.unique(piece)] for weights in (turns, steps * interval, starts)
+    begins_stretch = np.append(True, first[1:] != last[:-1])
+    begins = begins_stretch | np.append(True, piece[1:] != piece[:-1])
+    turned, seconds, begin_counts = (
+        np.bincount(piece, weights)[np.unique(piece)] for weights in (turns, steps * interval, begins)
     )
     if len(turned) < 2:
         return None
     total = float(seconds.sum())
     rate = float(turned.sum()) / total
     squares = float((seconds * (turned / seconds - rate) ** 2).sum())
-    noise = 2.0 * float((ends / seconds).sum() - fresh.sum() / total)
+    noise = 2.0 * float((begin_counts / seconds).sum() - begins_stretch.sum() / total)
     return Turning(track.particle, rate, squares, len(turned), total, noise)
 
 

@@ -179,7 +179,7 @@ def _detection_share(numbers: Numbers, frame: Frame, fitted: DisplacementFit | N
 
 
 def _meaningless_reasons(frame: Frame) -> dict[str, str]:
-    """Refuse numbers that have no meaning in a lane, without headings, or besides these."""
+    """Refuse numbers that have no meaning in a lane, without headings, or next to those along headings."""
     if frame.lane:
         names = (*TURNING_NAMES, *HEADING_NAMES, *ACROSS_NAMES, "motion_speed", "ballistic_speed")
         also = ("localisation_noise", "translational_diffusion")

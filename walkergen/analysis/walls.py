@@ -107,26 +107,26 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     if tracks.lane or (dish is not None and dish.period):
         return None
     step = max(round(VELOCITY_S / tracks.interval), 1)
-    ways = np.concatenate([np.hypot(*_displacements(track, step).T) for track in tracks.tracks])
-    ways = ways[~np.isnan(ways)]
+    lengths = np.concatenate([np.hypot(*_displacements(track, step).T) for track in tracks.tracks])
+    lengths = lengths[~np.isnan(lengths)]
     places = np.concatenate([track.position for track in tracks.tracks])
     places = places[~np.isnan(places).any(axis=1)]
-    narrow = float(np.ptp(places, axis=0).min()) if len(places) >= MIN_PLACES else 0.0
-    if narrow <= STILL_TOLERANCE * np.abs(places).max(initial=0.0) or not len(ways) or not np.median(ways) > 0.0:
+    width = float(np.ptp(places, axis=0).min()) if len(places) >= MIN_PLACES else 0.0
+    if width <= STILL_TOLERANCE * np.abs(places).max(initial=0.0) or not len(lengths) or not np.median(lengths) > 0.0:
         return None
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    speed = float(np.quantile(ways, SPEED_QUANTILE)) / (step * tracks.interval)
+    speed = float(np.quantile(lengths, SPEED_QUANTILE)) / (step * tracks.interval)
     closest = 0.0 if dish is None else float(np.quantile(_dish_distance(dish, places - middle), 1.0 - SPEED_QUANTILE))
     extent = (float(np.ptp(places[:, 0])), float(np.ptp(places[:, 1])))
     edges, area, girth = _convex_hull(places)
     walls = Walls(edges, dish, middle, closest, speed, Quantity("wall_contacts", "per_s", None), 0.0, extent)
     depths = [walls.distance(track.position) for track in tracks.tracks]
-    around = float(ways.sum()) / step > girth
+    goes_around = float(lengths.sum()) / step > girth
     cornered = girth**2 > MIN_CORNERED_GIRTH * 4.0 * math.pi * area
-    slides = around and _is_sliding(depths, narrow, cornered)
-    if dish is None and not slides and not _is_confining(tracks, places, depths, narrow, area, girth):
+    slides = goes_around and _is_sliding(depths, width, cornered)
+    if dish is None and not slides and not _is_confining(tracks, places, depths, width, area, girth):
         return None
-    size = max(float(np.median(ways)), MIN_DEPTH_SHARE * narrow)
+    size = max(float(np.median(lengths)), MIN_DEPTH_SHARE * width)
     contacts = sum(_count_visits(depth, TOUCHING_DEPTH * size, AWAY_DEPTH * size) for depth in depths)
     seconds = len(places) * tracks.interval
     rate = Quantity("wall_contacts", "per_s", contacts / seconds, math.sqrt(max(contacts, 1)) / seconds)
@@ -150,7 +150,7 @@ def _is_sliding(depths: Sequence[Array], width: float, cornered: bool) -> bool:
 def _is_confining(
     tracks: Tracks, places: Array, depths: Sequence[Array], width: float, area: float, girth: float
 ) -> bool:
-    """Return whether the hull of the tracks holds walkers back; lengths in mm, depths are those below the hull."""
+    """Return whether the hull holds walkers back; `depths` below it by track, its width and perimeter in mm."""
     band = BAND_DEPTH * width
     visits = sum(_count_visits(depth, band, INSIDE_DEPTH * width) for depth in depths)
     depth = np.concatenate(depths)
@@ -180,14 +180,14 @@ def _count_visits(depth: Array, near: float, away: float) -> int:
 
 def add_wall_reach(tracks: Tracks, walls: Walls) -> Tracks:
     """Add to tracks the number of samples from each place during which no wall can be reached."""
-    frame = walls.speed * tracks.interval
-    kept = []
+    step_mm = walls.speed * tracks.interval
+    tracks_with_reach = []
     for track in tracks.tracks:
         reach = (
-            np.floor(walls.distance(track.position) / frame) - 1.0
+            np.floor(walls.distance(track.position) / step_mm) - 1.0
         )  # noise may have moved the place by a frame's way
-        kept.append(track._replace(reach=np.where(np.isnan(reach), -1, reach).astype(np.int64)))
-    return tracks._replace(tracks=tuple(kept))
+        tracks_with_reach.append(track._replace(reach=np.where(np.isnan(reach), -1, reach).astype(np.int64)))
+    return tracks._replace(tracks=tuple(tracks_with_reach))
 
 
 def _displacements(track: Track, step: int) -> Array:
@@ -198,7 +198,7 @@ def _displacements(track: Track, step: int) -> Array:
 
 
 def _convex_hull(places: Array) -> tuple[Array, float, float]:
-    """Return edges (normals and offsets), area and girth of the convex hull of places, mm, without a few outermost."""
+    """Return edges (see `Walls.edges`), area (mm^2) and perimeter (mm) of the hull of places, less a few outermost."""
     from scipy.spatial import ConvexHull
 
     fewest = (1.0 - MAX_OUTLIER_SHARE) * len(places)
