@@ -237,7 +237,7 @@ def body_frame_displacements(track: Track, step: int) -> Complex:
 def heading_displacements(track: Track, turn: float, offset: int) -> Complex:
     """Return displacements per sample (mm), shape (2, n): along the heading `offset` samples before, and after.
 
-    The real part is ahead, the imaginary part to the left; NaN if unknown. Headings are turned to the middle by the mean
+    Real parts are ahead, imaginary parts to the left; NaN if unknown. Headings are turned to the middle by the mean
     `turn` (rad per sample), and lengths are those on the arc: a walker that turns steadily is not slower, nor drifts
     aside.
     """

@@ -270,7 +270,7 @@ def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict
 
 
 def _limiting_error(scatter: Quantity, noise: float) -> str:
-    """Describe what limits the mean speed: `scatter` between walkers, or errors within tracks (mean square: `noise`)."""
+    """Describe what limits the mean speed: `scatter` between walkers, or errors within tracks, mean square `noise`."""
     if scatter.value is None:
         return "walkers are alike within the errors of their tracks, which limit: film for longer"
     if scatter.value**2 > noise:

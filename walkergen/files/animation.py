@@ -62,14 +62,14 @@ def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[by
     """
     if find_ffmpeg() is None:
         return None, NO_FFMPEG_REASON
-    _, mp4, without = _write_film(draw, count, fps, progress, lambda frames: deque(frames, 0))
+    _, mp4, without = _write_film(draw, count, fps, progress, lambda frames: deque(frames, 0))  # keeps none
     return mp4, without
 
 
 def _write_film(
     draw: Draw, count: int, fps: int, progress: Progress, use: Callable[[Iterator[Pixels]], Used]
 ) -> tuple[Used, bytes | None, str]:
-    """Return the result of `use` for all frames, and their MP4; None without an MP4, with the reason."""
+    """Return what `use` makes of the frames, and their MP4 and ""; without an MP4 None and the reason."""
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
@@ -85,11 +85,11 @@ def _write_film(
 
 def _choose_palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
     """Choose one palette for all frames, so that fixed parts do not flicker; colours `keep` (#RRGGBB) stay exact."""
-    chosen = sorted({round(at) for at in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
-    pixels = np.concatenate([draw(at).reshape(-1, 3) for at in chosen]).astype(np.uint32)
-    codes, often = np.unique(pixels @ np.array([1 << 16, 1 << 8, 1], np.uint32), return_counts=True)
+    chosen = sorted({round(number) for number in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
+    pixels = np.concatenate([draw(number).reshape(-1, 3) for number in chosen]).astype(np.uint32)
+    codes, counts = np.unique(pixels @ np.array([1 << 16, 1 << 8, 1], np.uint32), return_counts=True)
     kept = np.array([int(colour.removeprefix("#"), 16) for colour in keep], np.uint32)
-    codes = np.concatenate([kept, codes[np.argsort(-often.astype(np.int64), kind="stable")]])
+    codes = np.concatenate([kept, codes[np.argsort(-counts.astype(np.int64), kind="stable")]])
     colours = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=-1).astype(np.uint8)
     # The commonest colours stay exact as well; all others are represented.
     exact = len(keep) + EXACT_COLOURS
@@ -110,15 +110,15 @@ def _stream_frames(
     draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress
 ) -> Iterator[Pixels]:
     """Yield the frames, and send each to ffmpeg as well, if it runs."""
-    for at in range(count):
-        frame = draw(at)
+    for number in range(count):
+        frame = draw(number)
         if ffmpeg is not None and ffmpeg.poll() is None:
             assert ffmpeg.stdin is not None
             try:
                 ffmpeg.stdin.write(frame.tobytes())
             except BrokenPipeError:
                 ffmpeg.wait()  # ffmpeg has given up; its message is read at the end
-        progress("frames", at + 1, count)
+        progress("frames", number + 1, count)
         yield frame
 
 

@@ -62,7 +62,7 @@ class Canvas:
             self._moving.append(artist)
 
     def pixels(self) -> Pixels:
-        """Return the picture in its present state."""
+        """Return the picture with its moving parts as they are now, shape (height, width, 3)."""
         if self._still is None:
             self._agg.draw()
             self._still = self._agg.copy_from_bbox(self.figure.bbox)

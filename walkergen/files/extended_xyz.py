@@ -29,7 +29,7 @@ class Bodies(NamedTuple):
     kinds: Sequence[str]
     """Names of the kinds of bodies, without blanks."""
     kind: Whole
-    """Place of the body's kind among these, shape (rows,)."""
+    """Index of the body's kind in `kinds`, shape (rows,)."""
     places: Array
     """Shape (rows, 3), mm."""
     turns: Array
@@ -40,18 +40,18 @@ class Bodies(NamedTuple):
 
 def format_frames(bodies: Bodies, box: str) -> str:
     """Format the file: a frame for each number, bodies in the order of their numbers; `box` from `format_box`."""
-    ends = [" ".join(f"{value:.9g}" for value in half) for half in bodies.halves]
-    lines = [f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)]
+    half_axes = [" ".join(f"{value:.9g}" for value in axes) for axes in bodies.halves]
+    lines = [f"{name} %d{' %.9g' * 7} {axes_text}\n" for name, axes_text in zip(bodies.kinds, half_axes, strict=True)]
     table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])
     order = np.lexsort((bodies.numbers, bodies.frames))
     frames, starts = np.unique(bodies.frames[order], return_index=True)
-    whole = io.StringIO()
+    stream = io.StringIO()
     for rows in np.split(order, starts[1:]) if len(frames) else []:
-        whole.write(f"{len(rows)}\n{box} Properties={PROPERTIES} Time={bodies.times[rows[0]]:.9g}\n")
-        whole.writelines(
+        stream.write(f"{len(rows)}\n{box} Properties={PROPERTIES} Time={bodies.times[rows[0]]:.9g}\n")
+        stream.writelines(
             lines[kind] % tuple(row) for kind, row in zip(bodies.kind[rows].tolist(), table[rows].tolist(), strict=True)
         )
-    return whole.getvalue()
+    return stream.getvalue()
 
 
 def format_box(low: Array, span: Array, periodic: bool = False) -> str:

@@ -36,14 +36,14 @@ LEG_PATTERN = re.compile(r"legs\[(\d+)\]")
 
 def format_key(key: str) -> str:
     """Return the name of a key with its unit: "tilt of the legs (deg)" of legs.tilt_deg."""
-    own = key.removeprefix("scene.")
-    if own in SPECIAL_NAMES:
-        return SPECIAL_NAMES[own]
-    end = next((end for end in UNITS_BY_SUFFIX if own.endswith(end)), "")
-    *tables, name = own.removesuffix(end).split(".")
+    short_key = key.removeprefix("scene.")
+    if short_key in SPECIAL_NAMES:
+        return SPECIAL_NAMES[short_key]
+    end = next((end for end in UNITS_BY_SUFFIX if short_key.endswith(end)), "")
+    *tables, name = short_key.removesuffix(end).split(".")
     words = name.replace("_", " ").replace("youngs", "Young's")
-    owner = _table_subject(tables[-1]) if tables else ""
-    return (f"{words} of {owner}" if owner else words) + (f" ({UNITS_BY_SUFFIX[end]})" if end else "")
+    subject = _table_subject(tables[-1]) if tables else ""
+    return (f"{words} of {subject}" if subject else words) + (f" ({UNITS_BY_SUFFIX[end]})" if end else "")
 
 
 def _table_subject(table: str) -> str:

@@ -31,8 +31,8 @@ def format_value(number: Quantity, unit: str = "") -> str:
 
 def format_bounds(number: Quantity) -> str:
     """Format the bounds of 95 % to two digits of the error; "" without bounds."""
-    ends = number.interval()
-    return " to ".join(formatting.format_to_error(number.se, ends)) if ends and number.se else ""
+    bounds = number.interval()
+    return " to ".join(formatting.format_to_error(number.se, bounds)) if bounds and number.se else ""
 
 
 def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Column, Column]:

@@ -64,11 +64,11 @@ def _format_if_known(key: str, format_number: Callable[[float], str]) -> Callabl
 def error_column(heading: str, key: str, se: str) -> Column:
     """Return a column of numbers of the field `key` with errors of the field `se`; None is blank or omitted."""
 
-    def cell(row: Any) -> str:
+    def format_cell(row: Any) -> str:
         value = getattr(row, key)
         return "" if value is None else formatting.format_with_error(value, getattr(row, se) or 0.0)
 
-    return Column(heading, cell)
+    return Column(heading, format_cell)
 
 
 def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Column:
@@ -79,10 +79,11 @@ def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Colum
 def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
     """Return a column for each key of rows that are tuples, headed by the key; `texts`: keys without numbers."""
 
-    def column(at: int, key: str) -> Column:
-        return Column(key.replace("_", " "), lambda row: format_value(row[at]), key not in texts)
+    def make_column(index: int, key: str) -> Column:
+        """Return the column of the values at an index of the rows."""
+        return Column(key.replace("_", " "), lambda row: format_value(row[index]), key not in texts)
 
-    return tuple(column(at, key) for at, key in enumerate(keys))
+    return tuple(make_column(index, key) for index, key in enumerate(keys))
 
 
 @dataclass(frozen=True)
@@ -162,20 +163,20 @@ class Table:
 
         columns = self._visible_columns(markdown)
         headed = any(column.heading for column in columns)
-        made = RichTable(
+        rich_table = RichTable(
             title=None if markdown or not self.title else literally(self.title),
             box=box.MARKDOWN if markdown else box.SIMPLE_HEAD if headed else box.SIMPLE,
             padding=(0, 1, 0, 0) if headed else (0, 1),
             pad_edge=not headed,
             show_header=headed,
         )
-        said = str if markdown else spell
+        to_text = str if markdown else spell
         for column in columns:
             justify: Literal["left", "right"] = "right" if column.right else "left"
-            made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
+            rich_table.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
         for row in self._visible_rows():
-            made.add_row(*(literally(said(column.cell(row))) for column in columns))
-        return made
+            rich_table.add_row(*(literally(to_text(column.cell(row))) for column in columns))
+        return rich_table
 
     def footer_lines(self, markdown: bool = False) -> list[str]:
         """Return the lines below the table: the meanings of its visible columns, and its notes.

@@ -29,14 +29,14 @@ def print_table(table: "Table", console: "Console") -> None:
     if whole <= console.width:
         console.print(table)
         return
-    frame = -(-(whole - EDGE_WIDTH - sum(size.natural for size in sizes)) // len(sizes))
+    edge_width = -(-(whole - EDGE_WIDTH - sum(size.natural for size in sizes)) // len(sizes))
     title: Any = table.title
-    for chosen in _split_columns(table, sizes, frame, console.width - EDGE_WIDTH):
-        room = console.width - EDGE_WIDTH - frame * len(chosen)
-        widths = _column_widths([sizes[index] for index in chosen], room)
+    for chosen in _split_columns(table, sizes, edge_width, console.width - EDGE_WIDTH):
+        available = console.width - EDGE_WIDTH - edge_width * len(chosen)
+        widths = _column_widths([sizes[index] for index in chosen], available)
         piece = _select_columns(table, chosen, widths)
         piece.title, title = title, None
-        wide_enough = max(console.width, frame * len(chosen) + EDGE_WIDTH + sum(widths))
+        wide_enough = max(console.width, edge_width * len(chosen) + EDGE_WIDTH + sum(widths))
         with _temporary_width(console, wide_enough):
             console.print(piece)
 
@@ -74,27 +74,27 @@ def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
 def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: int) -> Sequence[Sequence[int]]:
     """Return the columns of each piece: row names, and as many others as fit; `edges`: letters around a column."""
     justify = [column.justify for column in table.columns[:2]]
-    names = [0, 1] if justify == ["right", "left"] else [0]
+    name_columns = [0, 1] if justify == ["right", "left"] else [0]
     pieces: list[list[int]] = []
-    for column in range(len(names), len(sizes)):
-        own = [*(pieces[-1] if pieces else names), column]
-        if not pieces or sum(sizes[index].least + edges for index in own) > width:
-            own = [*names, column]
-            pieces.append(own)
+    for column in range(len(name_columns), len(sizes)):
+        piece = [*(pieces[-1] if pieces else name_columns), column]
+        if not pieces or sum(sizes[index].least + edges for index in piece) > width:
+            piece = [*name_columns, column]
+            pieces.append(piece)
         else:
-            pieces[-1] = own
-    return pieces or [names]
+            pieces[-1] = piece
+    return pieces or [name_columns]
 
 
 def _column_widths(sizes: Sequence[Sizes], width: int) -> list[int]:
     """Return widths of columns that fit a width: at least what each needs, and shares of the rest."""
     widths = [size.least for size in sizes]
-    left = width - sum(widths)
+    remaining = width - sum(widths)
     order = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)
     for place, index in enumerate(order):
-        added = min(sizes[index].natural - sizes[index].least, left // (len(order) - place))
+        added = min(sizes[index].natural - sizes[index].least, remaining // (len(order) - place))
         widths[index] += max(added, 0)
-        left -= max(added, 0)
+        remaining -= max(added, 0)
     return widths
 
 

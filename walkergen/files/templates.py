@@ -73,7 +73,7 @@ def read_with_name(path: Path, name: str) -> str:
 
 
 def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = Path()) -> Model:
-    """Read a template by its name, or the user's own file, as `resolve_path` finds it.
+    """Read a template by its name, or the user's own file, as `resolve_path` finds it from the folder `near`.
 
     Raises InputError that lists the known kinds or names, or every mistake in the file.
     """

@@ -40,27 +40,27 @@ def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[CappedW
     `items` are the walkers' names, copy by copy. Raises InputError for more than the dictionary has, and for caps that
     `track` could not read in one film.
     """
-    bearers = [
+    with_caps = [
         (design, item, design.cap) for design, item in zip(designs, items, strict=True) if design.cap is not None
     ]
     capped: list[CappedWalker] = []
-    for offset, (design, item, own) in enumerate(bearers):
-        first = bearers[0][2]
+    for offset, (design, item, cap) in enumerate(with_caps):
+        first = with_caps[0][2]
         number = first.number + offset
-        if (own.dictionary, own.marker_mm) != (first.dictionary, first.marker_mm):
+        if (cap.dictionary, cap.marker_mm) != (first.dictionary, first.marker_mm):
             raise InputError(
-                f"{design.name}: cap.dictionary = {own.dictionary!r}, cap.marker_mm = "
-                f"{own.marker_mm:g}: must be those of the other walkers, {first.dictionary!r}, "
+                f"{design.name}: cap.dictionary = {cap.dictionary!r}, cap.marker_mm = "
+                f"{cap.marker_mm:g}: must be those of the other walkers, {first.dictionary!r}, "
                 f"{first.marker_mm:g}: a film has markers of one kind"
             )
-        if number >= own.count:
-            more = "Use '4x4_100'." if own.count < 100 else "Make fewer copies."
+        if number >= cap.count:
+            more = "Use '4x4_100'." if cap.count < 100 else "Make fewer copies."
             raise InputError(
-                f"{design.name}: cap.dictionary = {own.dictionary!r}: has numbers up to "
-                f"{own.count - 1}, but {len(bearers)} caps from number {first.number} on need more. {more}"
+                f"{design.name}: cap.dictionary = {cap.dictionary!r}: has numbers up to "
+                f"{cap.count - 1}, but {len(with_caps)} caps from number {first.number} on need more. {more}"
             )
-        numbered_cap = own.model_copy(update={"number": number})
-        density = own.density(design.material.density_g_cm3)
+        numbered_cap = cap.model_copy(update={"number": number})
+        density = cap.density(design.material.density_g_cm3)
         capped.append(CappedWalker(item, numbered_cap, density))
     return capped
 

@@ -34,8 +34,8 @@ def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
     side = max(cap.side for cap in markers)
     across = max(1, int((width - 2 * EDGE_MM + COLUMN_GAP_MM) / (side + COLUMN_GAP_MM)))
     down = max(1, int((height - TOP_MM - BOTTOM_MM + ROW_GAP_MM) / (side + ROW_GAP_MM)))
-    full = across * down
-    sheets = [markers[first : first + full] for first in range(0, len(markers), full)]
+    per_page = across * down
+    sheets = [markers[first : first + per_page] for first in range(0, len(markers), per_page)]
     return [_draw_page(sheet, number, len(sheets), (side, across)) for number, sheet in enumerate(sheets, 1)]
 
 
@@ -49,19 +49,19 @@ def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float,
     axes.set_xlim(0.0, width)
     axes.set_ylim(0.0, height)
     axes.set_axis_off()
-    for at, cap in enumerate(sheet):
-        row, column = divmod(at, across)
+    for index, cap in enumerate(sheet):
+        row, column = divmod(index, across)
         x = EDGE_MM + column * (side + COLUMN_GAP_MM) + 0.5 * side
         y = height - TOP_MM - row * (side + ROW_GAP_MM) - 0.5 * side
         _draw_tile(axes, cap, (x, y))
         half = 0.5 * cap.side
         axes.text(x, y - half - 0.8, str(cap.number), ha="center", va="top", fontsize=6.0)
     cap = sheet[0]
-    own = "" if count == 1 else f", page {number} of {count}"
+    page_note = "" if count == 1 else f", page {number} of {count}"
     axes.text(
         EDGE_MM,
         height - 12.0,
-        f"walkergen: markers {cap.dictionary} (OpenCV's ArUco), {cap.marker_mm:g} mm wide{own}",
+        f"walkergen: markers {cap.dictionary} (OpenCV's ArUco), {cap.marker_mm:g} mm wide{page_note}",
         fontsize=10.0,
         va="top",
     )

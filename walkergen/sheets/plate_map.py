@@ -74,24 +74,24 @@ def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh]
     """
     letters = names.design_letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
-    named = _legend_lines({name: letters[name] for name in used if letters})
+    design_lines = _legend_lines({name: letters[name] for name in used if letters})
     figure = Figure()
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _draw_parts(axes, printer, members, meshes, plate)
-    shown = _map_area(axes, printer)
-    scale = MAP_INCHES / max(shown.width, shown.height)
+    area = _map_area(axes, printer)
+    scale = MAP_INCHES / max(area.width, area.height)
     labels = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     count = f"{len(plate.placements)} part{'s' if len(plate.placements) > 1 else ''}"
     heading = f"{title}: {count}; {labels}"
-    inset_width = 0.0 if shown.x0 < 0.0 else INSET_SHARE * scale * shown.width
-    _set_size(figure, axes, (scale * shown.width, scale * shown.height), inset_width, (heading, *named))
-    _show_area(axes, shown, printer)
+    inset_width = 0.0 if area.x0 < 0.0 else INSET_SHARE * scale * area.width
+    _set_size(figure, axes, (scale * area.width, scale * area.height), inset_width, (heading, *design_lines))
+    _show_area(axes, area, printer)
     _label_parts(axes, members, meshes, plate, scale)
-    axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=FONT_PT)
+    axes.set_xlabel("\n".join(("x (mm), front", *design_lines)), fontsize=FONT_PT)
     axes.set_ylabel("y (mm)", fontsize=FONT_PT)
     axes.set_title(heading, fontsize=FONT_PT)
     figure.legend(loc="upper right", ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
-    return figures.png(figure, 130)
+    return figures.png(figure, dpi=130)
 
 
 def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], inset_width: float, lines: Sequence[str]) -> None:
@@ -134,14 +134,14 @@ def _show_area(axes: Axes, shown: Bbox, printer: Printer) -> None:
         return
     bed = printer.bed_width_mm, printer.bed_depth_mm
     high = INSET_SHARE * shown.width / shown.height * bed[1] / bed[0]
-    key = axes.inset_axes((1.02, 1.0 - high, INSET_SHARE, high))
-    key.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
-    key.add_patch(Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2"))
-    key.set_xlim(-0.02 * bed[0], 1.02 * bed[0])
-    key.set_ylim(-0.02 * bed[1], 1.02 * bed[1])
-    key.set_aspect("equal")
-    key.set_axis_off()
-    key.set_title("on the bed", fontsize=8)
+    inset = axes.inset_axes((1.02, 1.0 - high, INSET_SHARE, high))
+    inset.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
+    inset.add_patch(Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2"))
+    inset.set_xlim(-0.02 * bed[0], 1.02 * bed[0])
+    inset.set_ylim(-0.02 * bed[1], 1.02 * bed[1])
+    inset.set_aspect("equal")
+    inset.set_axis_off()
+    inset.set_title("on the bed", fontsize=8)
 
 
 @figures.style({})
@@ -152,7 +152,7 @@ def draw_thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _draw_parts(axes, printer, members, meshes, plate)
     axes.set_axis_off()
-    return figures.png(figure, THUMBNAIL_DPI)
+    return figures.png(figure, dpi=THUMBNAIL_DPI)
 
 
 def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> None:
@@ -232,16 +232,16 @@ def _legend_lines(letters: Mapping[str, str]) -> list[str]:
 def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
     """Write a label for each part, as large as fits; `scale`: inches per mm."""
     letters = names.design_letters(members)
-    rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
+    fitted: dict[tuple[int, int], tuple[float, float, float]] = {}
     for placed in plate.placements:
         design = members[placed.part]
         label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
         key = placed.part, len(label)
-        if key not in rooms:
+        if key not in fitted:
             on_side = design.pair and solids.is_printed_on_side(design)
-            room = _fit_between_legs if on_side else _fit_on_part
-            rooms[key] = room(design, meshes[placed.part], len(label))
-        x, y, height = rooms[key]
+            fit_label = _fit_between_legs if on_side else _fit_on_part
+            fitted[key] = fit_label(design, meshes[placed.part], len(label))
+        x, y, height = fitted[key]
         axes.text(placed.x + x, placed.y + y, label, ha="center", va="center", fontsize=min(72.0 * scale * height, 9.0))
 
 

@@ -48,7 +48,7 @@ def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) ->
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)
 
     def draw() -> "Figure":
-        return draw_choice(f"{title} ({estimate.known})", candidates, found, (), estimate.law.floor)
+        return draw_choice(f"{title} ({estimate.known})", candidates, found, marks=(), floor=estimate.law.floor)
 
     return Answers(rows, [*describe(estimate), *unmet], draw)
 
@@ -60,35 +60,35 @@ def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: T
         least = formatting.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
         why = f"The shipped data have no step for errors below {least} %. Run simulate ‹error=›{wanted}."
         return Answer(wanted, "-", None, None, None, estimate.known, why), None
-    known = SOURCE_LAW if choice.error < estimate.law.floor else estimate.known
-    known_to = "" if estimate.cell else f", to a factor of {cell_estimates.SCALED_SCATTER_FACTOR:g}"
-    return _make_answer(wanted, choice, known, known_to), choice
+    source = SOURCE_LAW if choice.error < estimate.law.floor else estimate.known
+    reason_suffix = "" if estimate.cell else f", to a factor of {cell_estimates.SCALED_SCATTER_FACTOR:g}"
+    return _make_answer(wanted, choice, source, reason_suffix), choice
 
 
 def _make_answer(wanted: Tolerance, choice: Choice, known: str, known_to: str = "") -> Answer:
-    """Return the answer that states a choice, of the source `known`; `known_to` is added to its reason."""
+    """Return the answer that states a choice. `known` is its source; `known_to` is added to its reason."""
     takes_s = choice.wall_time_s(os.cpu_count() or 1)
     return Answer(wanted, choice.candidate.flags, choice.runs, choice.seconds, takes_s, known, choice.reason + known_to)
 
 
 def describe(estimate: Estimate) -> list[str]:
     """Return lines that explain the source of the numbers and the definition of the error."""
-    law, size = estimate.law, estimate.unit
+    law, unit = estimate.law, estimate.unit
     bias, bias_se = law.slopes[-1].share.pair
-    of = (
+    scale = (
         "the speed"
-        if size == estimate.speed
-        else f"{formatting.format_number(size, 3)} mm/s, a fifth of the plate's speed"
+        if unit == estimate.speed
+        else f"{formatting.format_number(unit, 3)} mm/s, a fifth of the plate's speed"
     )
-    known = {
+    source = {
         "measured": "Measured for this walker on this plate.",
         "scaled": "Scaled from the paper's walker on its plate, at tilts of 1 to 30 deg and "
         "restitutions of 0.5 to 0.9. The scatter is uncertain by a factor of "
         f"{cell_estimates.SCALED_SCATTER_FACTOR:g}. Measure this walker with ‹budget›, or run simulate ‹error›.",
     }[estimate.known]
     return [
-        known,
-        f"Errors are half-widths of the 95 % interval, as a share of {of}. Bias and scatter add in squares.",
+        source,
+        f"Errors are half-widths of the 95 % interval, as a share of {scale}. Bias and scatter add in squares.",
         f"Bias of the automatic step: {100 * bias:+.1f} ± {100 * bias_se:.1g} %, averaged over {law.cells} walkers and "
         f"scenes. The reference has a twentieth of this step, and an error of {100 * law.floor:.2g} %. "
         "Smaller errors are extrapolated from the order of the bias.",
@@ -148,7 +148,7 @@ def choose_measured(candidates: Sequence[Candidate], allowed: float) -> Choice |
 
 
 def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> float:
-    """Return the bias of the step of double length, or the longest; infinite if none is longer."""
+    """Return the bias of the step at least DOUBLE_STEP_RATIO as long, or of the longest; infinite if none is longer."""
     step_us = candidate.step_us or 0.0
     longer = sorted((other.step_us or 0.0, other.bias) for other in candidates if (other.step_us or 0.0) > step_us)
     biases = [bias for other_us, bias in longer if other_us >= DOUBLE_STEP_RATIO * step_us] or [
@@ -160,20 +160,20 @@ def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> 
 def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Survey) -> str:
     """Return why no measured step meets an error, and the budget that would determine its bias."""
     reference = survey.measured[survey.steps[0]].speed
-    known_to = f"the most accurate setting has an error of {formatting.format_number(reference.half_width(), 2)} mm/s"
+    accuracy = f"the most accurate setting has an error of {formatting.format_number(reference.half_width(), 2)} mm/s"
     least = min((max(one.bias, _double_step_bias(one, candidates)) for one in candidates), default=math.inf)
     if math.isinf(least):
         return "no longer step gives a speed"
     needed_s = survey.budget_s * max(least / (MAX_BIAS_SHARE * wanted.value), 1.0) ** 2
     if needed_s > MAX_BUDGET_S:
-        return f"{known_to}. A day of simulations would not be enough"
-    return f"{known_to}. Measure longer: ‹budget=›{formatting.format_budget(needed_s)}"
+        return f"{accuracy}. A day of simulations would not be enough"
+    return f"{accuracy}. Measure longer: ‹budget=›{formatting.format_budget(needed_s)}"
 
 
 def draw_choice(
     title: str, candidates: Sequence[Candidate], found: Sequence[AnswerAndChoice], marks: "Sequence[Mark]", floor: float
 ) -> "Figure":
-    """Draw candidates, answers and measured biases down to the reference's error `floor`."""
+    """Draw candidates, the answers `found`, and measured biases (`marks`), down to the reference's error `floor`."""
     from walkergen.commands.accuracy import figures
 
     points = [figures.Point(*point) for point in _list_points(found, floor)]

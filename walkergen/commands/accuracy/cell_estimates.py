@@ -127,12 +127,12 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
     scene, design = plan.scene, plan.case.design
     all_rows, scene_name = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
-    own_s, drive = step_errors.resolving_step(plan), plan.shaken
+    step_s, drive = step_errors.resolving_step(plan), plan.shaken
     cell = tuple(row for row in all_rows if row.cell == (scene_name, tilt, restitution))
     cell = cell if any(row.share == REFERENCE_STEP_SHARE for row in cell) else ()
     rows = [row for row in all_rows if row.scene == (scene_name if cell else LANE_SCENE)]
     measured_us = _interpolate(rows, lambda steps: steps[1.0].step_us, tilt, restitution)
-    relative_work = 1.0 if cell else measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
+    relative_work = 1.0 if cell else measured_us / (1e6 * step_s) * 0.5 * len(design.limbs)
     scale = drive.peak_speed / step_law.CELLS_PEAK_SPEED_MM_S
     period_ratio = CELLS_FREQUENCY_HZ / drive.frequency
 
@@ -147,7 +147,7 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
         scale * _interpolate(rows, lambda steps: abs(steps[1.0].speed_mm_s or 0.0), tilt, restitution),
         scale**2 * period_ratio * _interpolate(rows, _mean_variance_time, tilt, restitution, logarithmic=True),
         work,
-        1e6 * own_s,
+        1e6 * step_s,
         scene.run.discard_seconds,
         cell,
     )
@@ -162,12 +162,12 @@ def _fit_work(steps: dict[float, Row], step: float) -> float:
 
 
 def _mean_variance_time(steps: dict[float, Row]) -> float:
-    """Return the variance times time averaged over a cell's rows: that of eight runs is uncertain."""
+    """Return the variance times time averaged over a cell's rows, because that of a single row is uncertain."""
     return float(np.mean([row.variance_time for row in steps.values()]))
 
 
 def _find_scene(plan: Plan) -> str:
-    """Return the scene of the cells that a plan has, up to restitution; "" for others and another walker."""
+    """Return the name of the cells' scene that a plan has, with any restitution; "" without one, or another walker."""
     paper = templates.load(machine_speed.BENCHMARK_WALKER, "walkers", Design).variant(
         tilt_deg=plan.case.design.tilt_deg
     )
@@ -192,17 +192,20 @@ def _interpolate(
 
     `value_of` computes the value from a cell's rows by step. `logarithmic`: its logarithm is interpolated.
     """
-    by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.rows_by_cell(rows)}
-    tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
+    cells_rows = step_law.rows_by_cell(rows)
+    by_cell = {(cell[0].tilt_deg, cell[0].restitution): {row.share: row for row in cell} for cell in cells_rows}
+    tilts, restitutions = (sorted({key[axis] for key in by_cell}) for axis in (0, 1))
 
-    def value_at(own_tilt: float, own_restitution: float) -> float:
+    def value_at(tilt_deg: float, feet_restitution: float) -> float:
         """Return the value, or its logarithm, of the cell at a tilt and restitution."""
-        value = value_of(by_cell[own_tilt, own_restitution])
+        value = value_of(by_cell[tilt_deg, feet_restitution])
         return math.log(value) if logarithmic else value
 
-    at = math.log(max(restitution, 1e-3))
+    log_restitution = math.log(max(restitution, 1e-3))
+    logs = np.log(restitutions)
     by_tilt = [
-        float(np.interp(at, np.log(restitutions), [value_at(own, one) for one in restitutions])) for own in tilts
+        float(np.interp(log_restitution, logs, [value_at(cell_tilt, other) for other in restitutions]))
+        for cell_tilt in tilts
     ]
     value = float(np.interp(tilt, tilts, by_tilt))
     return math.exp(value) if logarithmic else value

@@ -55,21 +55,21 @@ def read_rows(path: Path = CELLS_PATH) -> tuple[Row, ...]:
     return tuple(_parse_row(row) for row in rows)
 
 
-def _parse_row(cells: dict[str, str]) -> Row:
+def _parse_row(texts: dict[str, str]) -> Row:
     def number(name: str) -> float | None:
         """Return the number of a column; None if it is blank."""
-        return float(cells[name]) if cells[name] else None
+        return float(texts[name]) if texts[name] else None
 
     return Row(
-        cells["scene"],
-        float(cells["tilt_deg"]),
-        float(cells["restitution"]),
-        float(cells["share"]),
-        float(cells["step_us"]),
+        texts["scene"],
+        float(texts["tilt_deg"]),
+        float(texts["restitution"]),
+        float(texts["share"]),
+        float(texts["step_us"]),
         number("speed_mm_s"),
         number("se_mm_s"),
-        int(cells["runs"]),
-        float(cells["seconds"]),
-        float(cells["work"]),
-        cells["outcomes"],
+        int(texts["runs"]),
+        float(texts["seconds"]),
+        float(texts["work"]),
+        texts["outcomes"],
     )

@@ -51,7 +51,7 @@ class Candidate(NamedTuple):
         return "own step" if self.step_us is None else f"‹step=›{self.step_us:g}"
 
     def scatter_error(self, cpu_s: Array) -> Array:
-        """Return the error from the scatter of the fewest runs in a time; infinite if the time is too short."""
+        """Return the error from the scatter of the fewest runs in CPU times (s); infinite if the time is too short."""
         measured_s = cpu_s / self.cpu_per_s - RUN_COUNTS[0] * self.discard_s
         with np.errstate(divide="ignore", invalid="ignore"):
             half = NORMAL_95 * np.sqrt(self.variance_time / measured_s)
@@ -93,12 +93,12 @@ def choose(candidates: Iterable[Candidate], allowed: float) -> Choice | None:
 def _size_runs(candidate: Candidate, allowed: float, runs: int) -> Choice:
     """Return the choice of the shortest runs that meet the `allowed` error; bias and scatter add in squares."""
     bias, variance_time = candidate.bias, candidate.variance_time
-    wide = student_quantile(runs - 1.0, 0.975)
-    variance = (allowed**2 - bias**2) / wide**2
+    quantile = student_quantile(runs - 1.0, 0.975)
+    variance = (allowed**2 - bias**2) / quantile**2
     seconds = _round_up(max(TIME_SAFETY_FACTOR * variance_time / variance / runs, MIN_RUN_S))
     se = math.sqrt(variance_time / (runs * seconds))
     cpu_s = candidate.cpu_per_s * runs * (seconds + candidate.discard_s)
-    return Choice(candidate, runs, seconds, se, math.hypot(bias, wide * se), cpu_s)
+    return Choice(candidate, runs, seconds, se, math.hypot(bias, quantile * se), cpu_s)
 
 
 def _round_up(seconds: float) -> float:

@@ -66,20 +66,20 @@ class Front(NamedTuple):
 
 
 def compute_front(candidates: Sequence[Candidate], longest_s: float) -> Front:
-    """Return the least error of the candidates against CPU time, up to `longest_s`."""
+    """Return the least error that any candidate reaches, against CPU time up to `longest_s` (s)."""
     cheapest = min(one.cpu_per_s * (RUN_COUNTS[0] * one.discard_s + MIN_CURVE_S) for one in candidates)
     cpu = np.geomspace(cheapest, max(longest_s, 3.0 * cheapest), 400)
     scatter = np.array([one.scatter_error(cpu) for one in candidates])
     bias = np.array([one.bias for one in candidates])[:, None] * np.ones_like(scatter)
     total = np.hypot(scatter, bias)
-    least, at = total.argmin(axis=0), np.arange(len(cpu))
-    return Front(cpu, scatter[least, at], bias[least, at], total[least, at])
+    best, columns = total.argmin(axis=0), np.arange(len(cpu))
+    return Front(cpu, scatter[best, columns], bias[best, columns], total[best, columns])
 
 
 @style()
 def choice_figure(shown: FigureData) -> Figure:
     """Draw the least error against CPU time with its parts, answers on it, and measured biases."""
-    figure, (axes,) = new_grid(f"What accuracy costs in time: {shown.title}", 1, 1, 3.6)
+    figure, (axes,) = new_grid(f"What accuracy costs in time: {shown.title}", count=1, across=1, height=3.6)
     axes.set_xscale("log")
     axes.set_yscale("log")
     longest = max([point.cpu_s for point in shown.points], default=0.0)

@@ -54,7 +54,7 @@ class Ladder(NamedTuple):
 
 
 def format_order(values: Sequence[float], errors: Sequence[float]) -> str:
-    """Return the measured order of errors in the values: "1.98 ± 0.05"."""
+    """Return the order at which errors grow with `values`, such as steps, as text: "measured order 1.98 ± 0.05"."""
     slope, se = convergence_order(values, errors)
     return f"measured order {slope:.2f} ± {se:.2f}"
 
@@ -131,7 +131,7 @@ class Answers(NamedTuple):
 
 
 def mark_accepted(rows: Sequence[Answer], accepted: float | None) -> tuple[list[Answer], list[str]]:
-    """Mark the answer with the largest error within an accepted one. Return a line about it if there is none."""
+    """Return answers, with the one of the largest error within `accepted` marked, and lines for the user if none is."""
     if accepted is None:
         return list(rows), []
     within = [row.error.value for row in rows if row.error.value <= accepted * (1.0 + 1e-9)]

@@ -191,17 +191,19 @@ class Survey:
             self.claim_budget(step_us),
         )
         walker = experiments.Walker(self._scene_with_step(step_us, seconds=seconds), self.design, self.mass)
-        made = measure(walker, Budget(granted_s, MIN_RUNS), progress)
-        if made.partial:
+        result = measure(walker, Budget(granted_s, MIN_RUNS), progress)
+        if result.partial:
             raise KeyboardInterrupt
-        self.simulated_s += made.wall_s
-        results = experiments.from_records(made.experiment, made.records, made.runs, made.wall_s)
+        self.simulated_s += result.wall_s
+        results = experiments.from_records(result.experiment, result.records, result.runs, result.wall_s)
         summary = results.summary
         self.too_short |= summary.runs == MIN_RUNS and summary.wall_s > granted_s
-        well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed.value is not None
+        all_ended_well = (
+            set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed.value is not None
+        )
         outcomes = format_outcomes(summary.outcomes)
         quantities = {
-            name: Quantity(name, "", number.value if well else None, number.se, summary.runs - 1.0, outcomes)
+            name: Quantity(name, "", number.value if all_ended_well else None, number.se, summary.runs - 1.0, outcomes)
             for name, number in _observable_values(results, self.scene.arena.kind == "lane").items()
         }
         run = self.scene.run
@@ -211,7 +213,7 @@ class Survey:
 
 
 def _observable_values(results: Results, lane: bool) -> dict[str, Quantity]:
-    """Return all studied quantities of runs, without refused ones."""
+    """Return all studied quantities of runs by name, without refused ones. `lane`: walkers run in a lane."""
     quantities = {name: results.summary.numbers[name] for name in observables.OBSERVABLE_NAMES}
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:

@@ -72,7 +72,7 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
                     report.text_column("wall", "wall"),
                     report.fixed_column("mm", "thickness_mm", 2),
                     report.fixed_column("lines", "lines", 2),
-                    report.Column("plastic, against the mesh", _format_plastic, True),
+                    report.Column("plastic, against the mesh", _format_plastic, right=True),
                 ),
             )
         ],

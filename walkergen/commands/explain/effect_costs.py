@@ -61,7 +61,7 @@ def format_factor(number: Quantity) -> str:
     return (
         "-"
         if number.value is None
-        else "x " + " ± ".join(formatting.format_fixed(one, 2) for one in number[2:4] if one is not None)
+        else "x " + " ± ".join(formatting.format_fixed(one, 2) for one in (number.value, number.se) if one is not None)
     )
 
 
@@ -87,18 +87,19 @@ def measure(walker: Walker, progress: Progress) -> EffectChanges:
     candidates = tuple(variants.effect_variants(walker, also_on=True))
     alone = _measure_variants(walker, candidates, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), budget_progress)
     omitted, level = _select_omissions(walker, candidates, alone)
-    changes, joint = (
+    changes, combined = (
         list(alone.changes),
+        # The two largest changes together, and everything that may be left out together
         [_combine(walker, _largest_variants(candidates, alone)), _combine(walker, omitted)],
     )
-    further = tuple({variant.effect: variant for variant in joint if variant is not None}.values())
+    further = tuple({variant.effect: variant for variant in combined if variant is not None}.values())
     if further:
         changes += _measure_variants(
             walker, further, Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), budget_progress
         ).changes
-    names = {variant.effect for variant in (*omitted, *joint[1:]) if variant is not None}
-    leaving = [change for change in changes if change.effect in names and _is_within(walker, alone, change, level)]
-    advice = _format_advice(min(leaving, key=lambda change: change.cpu.number), level) if leaving else NO_ADVICE
+    names = {variant.effect for variant in (*omitted, *combined[1:]) if variant is not None}
+    advisable = [change for change in changes if change.effect in names and _is_within(walker, alone, change, level)]
+    advice = _format_advice(min(advisable, key=lambda change: change.cpu.number), level) if advisable else NO_ADVICE
     return alone._replace(changes=tuple(sorted(changes, key=_change_size, reverse=True)), advice=advice)
 
 
@@ -115,7 +116,7 @@ def _measure_variants(
 
 def _budget_progress(progress: Progress) -> Progress:
     """Return a function that reports progress in seconds of the budget, from the first runs on."""
-    started: list[float] = []
+    started: list[float] = []  # times of all reports, the first of which counts
 
     def report_seconds(step: str, done: int, total: int) -> None:
         """Report elapsed seconds instead of runs; other steps unchanged."""
@@ -133,14 +134,14 @@ def _change_size(change: Change) -> float:
 
 
 def _largest_variants(candidates: Sequence[Variant], measured: EffectChanges) -> list[Variant]:
-    """Find the two variants of the model itself that change the speed most."""
+    """Return the two variants, among those that set keys of the scene, that change the speed most."""
     sizes = {change.effect: _change_size(change) for change in measured.changes}
-    of_model = sorted((variant for variant in candidates if variant.values), key=lambda variant: -sizes[variant.effect])
-    return of_model[:2]
+    by_size = sorted((variant for variant in candidates if variant.values), key=lambda variant: -sizes[variant.effect])
+    return by_size[:2]
 
 
 def _is_within(walker: Walker, measured: EffectChanges, change: Change, share: float) -> bool:
-    """Return whether a change is within a share of the measured speed, with 95 % confidence."""
+    """Return whether a change is within a share of the speed in `measured`, with 95 % confidence."""
     return variants.verdict(walker, measured.speed, change, Tolerance(share, relative=True)) is Verdict.AGREE
 
 
@@ -149,7 +150,7 @@ def _select_omissions(
 ) -> tuple[list[Variant], float]:
     """Return variants that save time and change the speed by less than a share, and this share.
 
-    Of variants of the model itself only the fastest is returned.
+    If some of them set no key of the scene, only the fastest of these is returned.
     """
     for level in ADVICE_LEVELS:
         fitting = [
@@ -158,8 +159,8 @@ def _select_omissions(
             if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, measured, change, level)
         ]
         if fitting:
-            models = [pair for pair in fitting if not pair[1].values]
-            chosen = [min(models, key=lambda pair: pair[0])] if models else fitting
+            without_keys = [pair for pair in fitting if not pair[1].values]
+            chosen = [min(without_keys, key=lambda pair: pair[0])] if without_keys else fitting
             return [variant for _, variant in chosen], level
     return [], 0.0
 
@@ -199,7 +200,7 @@ def draw_changes(measured: EffectChanges, title: str) -> "Figure":
 
     known = [change for change in measured.changes if change.speed.value is not None][::-1]
     places = list(range(len(known)))
-    drawn, (speeds, costs) = figures.new_grid(title, 2, 2, 0.6 + 0.19 * len(known), share_y=True)
+    figure, (speeds, costs) = figures.new_grid(title, 2, 2, 0.6 + 0.19 * len(known), share_y=True)
     for axes, numbers, look in (
         (speeds, [change.speed for change in known], MEASURED),
         (costs, [change.cpu for change in known], FITTED),
@@ -220,4 +221,4 @@ def draw_changes(measured: EffectChanges, title: str) -> "Figure":
     speeds.set_yticks(places, [f"{change.effect}: {change.change}" for change in known])
     figures.label_axes(speeds, "change of speed (mm/s)")
     figures.label_axes(costs, "CPU time, ratio")
-    return drawn
+    return figure

@@ -83,12 +83,12 @@ def explain(
         else Simplest(walker, scene.run.accepted_error)
     )
     rows = _rows(effects, () if found is None else found.changes)
-    told = [column_values(row) for row in rows]
+    row_facts = [column_values(row) for row in rows]
     on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
     effects_table = Table(
         "effects",
-        [tuple(row.values()) for row in told],
-        [*told[0]],
+        [tuple(row.values()) for row in row_facts],
+        [*row_facts[0]],
         REASON_COLUMNS if whole else SHORT_COLUMNS,
         read=rows if whole else on,
         notes=[] if found is None else ["± is one standard error, from pairs of runs with common random numbers"],
@@ -99,7 +99,7 @@ def explain(
         title="Effects",
         caption=caption,
         tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
-        facts=_facts(told, found) | (simple.facts if found is not None else {}),
+        facts=_facts(row_facts, found) | (simple.facts if found is not None else {}),
         lines=[
             *(
                 []
@@ -122,8 +122,8 @@ def explain(
 def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
     """Make the rows of all effects, with their measured changes."""
     by_effect: Mapping[str, Change] = {change.effect: change for change in reversed(changes)}
-    none = Change("", "", Quantity("change", "mm_s", None), Quantity("cpu_ratio", "", None))
-    return [Row(*effect, *by_effect.get(effect.name, none)[1:]) for effect in effects]
+    unmeasured = Change("", "", Quantity("change", "mm_s", None), Quantity("cpu_ratio", "", None))
+    return [Row(*effect, *by_effect.get(effect.name, unmeasured)[1:]) for effect in effects]
 
 
 def _format_omissions(simple: Simplest, measured: bool) -> list[str]:

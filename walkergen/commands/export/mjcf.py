@@ -72,11 +72,11 @@ def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
 def linear_springs(plan: Plan) -> Array:
     """Return the stiffness (g/s^2) of each point of contact in the file, shape (k,).
 
-    The leg's corner is in series with the tip's linear spring. A corner lands with its share of the mass at the speed
-    that the step and the surrogate take. If the plate hardly moves, the weight on a corner counts instead.
+    The leg's corner is in series with the tip's linear spring. That depends on a landing: with an equal share of the
+    mass, at LANDING_SPEED_RATIO times the plate's peak speed. If the plate hardly moves, the weight counts instead.
     """
     walker = plan.world.walker
-    share = walker.mass / np.count_nonzero(walker.place == 0.0)
+    share = walker.mass / np.count_nonzero(walker.place == 0.0)  # at 0 are the points that may touch the plate
     speed = feet.LANDING_SPEED_RATIO * plan.shaken.peak_speed
     depths = np.array([landing_depth(tip, share, speed, GRAVITY * share) for tip in walker.tip])
     depths[np.isinf(walker.tip)] = 1.0  # any: rigid tips are infinitely stiff
@@ -85,7 +85,7 @@ def linear_springs(plan: Plan) -> Array:
 
 
 def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
-    """Prepare the plan of a walker in space without leg twist. Raises InputError."""
+    """Prepare the 3D simulation of a walker without leg twist. Raises InputError for effects that MJCF lacks."""
     effects = scene.effects.force("leg_twist", False)
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
@@ -101,7 +101,7 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
 
 
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
-    """Yield meshes by name: a free leg relative to its anchor, the body and other legs relative to C."""
+    """Yield meshes by name: free legs relative to their anchors, body and other legs to C, the centre of mass."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*to_centre_frame(design.limbs, mass, np.zeros(2)), -half]) + O
     yield "body", _to_mujoco_frame(built._replace(walker=built.body).seen, middle)
@@ -119,17 +119,17 @@ def _to_mujoco_frame(mesh: Mesh, offset: Array) -> Mesh:
 def _format_model(name: str, plan: Plan) -> str:
     """Return the MJCF of a walker that starts one amplitude above the plate, with the plate at its highest."""
     scene, design, mass, walker = plan.scene, plan.case.design, plan.case.mass, plan.world.walker
-    drive, called = scene.drive, names.leg_names(design)
+    drive, leg_names = scene.drive, names.leg_names(design)
     period = 2.0 * math.pi / drive.omega
-    own = period / math.ceil(STEP_RATIO * period / plan.world.options.step)
+    timestep = period / math.ceil(STEP_RATIO * period / plan.world.options.step)
     height = 2.0 * drive.amplitude - float((walker.root + _contact_offsets(walker))[:, 1].min())
     free = [k for k, leg in enumerate(mass.legs) if float(leg.m) > 0.0]
-    legs = "".join(_leg_body(number, called[k], mass, walker, k) for number, k in enumerate(free))
-    shown = ["body", *(called[k] for k in range(len(called)) if k not in free)]
+    leg_bodies = "".join(_leg_body(number, leg_names[k], mass, walker, k) for number, k in enumerate(free))
+    body_parts = ["body", *(leg_names[k] for k in range(len(leg_names)) if k not in free)]
     assets = "".join(
         f'''
     <mesh name="{part}" file="{name}_{part}.stl" inertia="shell"/>'''
-        for part in ("body", *called)
+        for part in ("body", *leg_names)
     )
     assert mass.spatial is not None
     return f"""<!-- {name} by walkergen: units mm, g, s (forces in uN, energies in nJ); x along the
@@ -145,7 +145,7 @@ def _format_model(name: str, plan: Plan) -> str:
   mass of its body (1/g): with the impedance near 0 contacts have these, whatever they carry. -->
 <mujoco model="{name}">
   <compiler angle="radian" inertiafromgeom="false" autolimits="true"/>
-  <option timestep="{own!r}" gravity="0 0 {-GRAVITY!r}" cone="elliptic" impratio="{IMPRATIO:g}"
+  <option timestep="{timestep!r}" gravity="0 0 {-GRAVITY!r}" cone="elliptic" impratio="{IMPRATIO:g}"
     integrator="implicitfast" solver="Newton" tolerance="1e-16" iterations="50"/>
   <statistic extent="{3.0 * design.size.length!r}" center="0 0 0"/>
   <asset>{assets}
@@ -154,8 +154,8 @@ def _format_model(name: str, plan: Plan) -> str:
     <light pos="0 -300 300" dir="0 1 -1"/>{_plate_body(scene.drive, walker, height)}
     <body name="walker" pos="0 0 {height!r}">
       <freejoint name="walker"/>
-      {_inertial(walker.centre, float(mass.M), mass.spatial.body)}{_visual_geoms(shown)}
-      {_corner_geoms(walker, -1)}{legs}
+      {_inertial(walker.centre, float(mass.M), mass.spatial.body)}{_visual_geoms(body_parts)}
+      {_corner_geoms(walker, -1)}{leg_bodies}
     </body>
   </worldbody>
   <contact>{_contact_pairs(mass, walker, free, linear_springs(plan))}
@@ -188,7 +188,7 @@ def _contact_offsets(walker: Walker) -> Array:
 
 
 def _corner_geoms(walker: Walker, leg: int) -> str:
-    """Return the spheres, as MJCF, of the points of contact on a leg, or on the body (-1)."""
+    """Return the spheres, as MJCF, of the points of contact on a free leg (by its index), or on the body (-1)."""
     spheres = []
     for k in np.flatnonzero(walker.leg == leg):
         on_body = walker.root[k] if leg < 0 else 0.0
@@ -203,13 +203,13 @@ def _corner_geoms(walker: Walker, leg: int) -> str:
 
 def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
     """Write the MJCF of the plate on its spring, with a lid or with walls twice as high as the body's middle."""
-    place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
-    for side in (-1, 1) if place > 0.0 else ():
-        walls += f"""
+    wall_side, lid, bodies = float(walker.place.max()), -float(walker.place.min()), ""
+    for side in (-1, 1) if wall_side > 0.0 else ():
+        bodies += f"""
       <geom name="wall{side:+d}" type="box" size="2000 5 {height!r}" rgba=".6 .6 .6 .2"
-        pos="0 {side * (place + 5.0)!r} {height!r}" contype="0" conaffinity="0"/>"""
+        pos="0 {side * (wall_side + 5.0)!r} {height!r}" contype="0" conaffinity="0"/>"""
     if lid > 0.0:
-        walls += f"""
+        bodies += f"""
       <geom name="lid" type="box" size="2000 2000 5" pos="0 0 {lid + 5.0!r}" rgba=".6 .6 .6 .2" contype="0"
         conaffinity="0"/>"""
     return f"""
@@ -218,7 +218,7 @@ def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
         springref="{-drive.amplitude!r}"/>
       <inertial pos="0 0 0" mass="{PLATE_MASS_G!r}" diaginertia="{PLATE_MASS_G!r} {PLATE_MASS_G!r} {PLATE_MASS_G!r}"/>
       <geom name="plate" type="box" size="2000 2000 5" pos="0 0 -5" rgba=".6 .6 .6 1"
-        contype="0" conaffinity="0"/>{walls}
+        contype="0" conaffinity="0"/>{bodies}
     </body>"""
 
 
@@ -230,10 +230,10 @@ def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], sp
     H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
     pairs = ""
     for k, friction in enumerate(walker.friction):
-        unit = (1.0 - IMPEDANCE) * inverse[k]
+        scale = (1.0 - IMPEDANCE) * inverse[k]
         slip = max(H[3 * k + 1, 3 * k + 1], H[3 * k + 2, 3 * k + 2])
-        sideways = 2.0 * math.sqrt(walker.shear[k] * springs[k] / slip) * unit / IMPRATIO
-        normal = _format_numbers(-unit * springs[k], -unit * walker.damper[k] * math.sqrt(springs[k]))
+        sideways = 2.0 * math.sqrt(walker.shear[k] * springs[k] / slip) * scale / IMPRATIO
+        normal = _format_numbers(-scale * springs[k], -scale * walker.damper[k] * math.sqrt(springs[k]))
         for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.place[k])]:
             pairs += f'''
     <pair geom1="{other}" geom2="corner{k}" condim="3" solref="{normal}"
@@ -274,9 +274,9 @@ def _visual_geoms(parts: Sequence[str]) -> str:
     )
 
 
-def _format_point(place: Array) -> str:
-    """Format a point of our frame in MuJoCo's."""
-    return _format_numbers(*(TO_MUJOCO @ place))
+def _format_point(vector: Array) -> str:
+    """Format a vector of our frame, shape (3,), in MuJoCo's frame."""
+    return _format_numbers(*(TO_MUJOCO @ vector))
 
 
 def _format_numbers(*values: float) -> str:

@@ -34,13 +34,13 @@ def assign_member_tilts(measured: Measured, tilts: Mapping[str, float]) -> Measu
 
     `tilts` are the members' own, deg. Speeds of kinds without a member are left out.
     """
-    own = np.array([legs in tilts for legs in measured.legs], dtype=bool)
+    has_member = np.array([legs in tilts for legs in measured.legs], dtype=bool)
     return measured._replace(
         tilt=np.array([tilts[legs] for legs in measured.legs if legs in tilts], dtype=float),
         legs=[legs for legs in measured.legs if legs in tilts],
-        speed=measured.speed[own],
-        se=None if measured.se is None else measured.se[own],
-        plate_speed=measured.plate_speed[own],
+        speed=measured.speed[has_member],
+        se=None if measured.se is None else measured.se[has_member],
+        plate_speed=measured.plate_speed[has_member],
     )
 
 
@@ -48,20 +48,21 @@ def table(chart_data: ChartData) -> Table:
     """Make the table of the additional speeds, one row per point."""
     rows: list[tuple[Any, ...]] = []
     for kind, curve in chart_data.curves.items():
+        # From the order of QUANTILES (95 and 68 % low, 68 and 95 % high) to that of BOUNDS
         columns = np.column_stack([curve.tilt_deg, curve.speed, curve.bounds[[1, 2, 0, 3]].T, curve.theory]).tolist()
-        for (tilt, *ends, theory), sticks in zip(columns, curve.can_stick, strict=True):
-            if math.isnan(ends[0]):  # to be simulated
+        for (tilt, *bounds, theory), sticks in zip(columns, curve.can_stick, strict=True):
+            if math.isnan(bounds[0]):  # to be simulated
                 continue
-            rows.append(("predicted", kind, tilt, *ends, theory, "yes" if sticks else "no"))
+            rows.append(("predicted", kind, tilt, *bounds, theory, "yes" if sticks else "no"))
     if (measured := chart_data.measured) is not None:
         errors = [math.nan] * len(measured.speed) if measured.se is None else measured.se
         for kind, tilt, speed, se in zip(measured.legs, measured.tilt, measured.speed, errors, strict=True):
-            ends = (
+            bounds = (
                 [None] * 4
                 if math.isnan(se)
                 else [float(speed + side * se) for side in (-1.0, 1.0, -NORMAL_95, NORMAL_95)]
             )
-            rows.append(("measured", kind, float(tilt), float(speed), *ends, None, None))
+            rows.append(("measured", kind, float(tilt), float(speed), *bounds, None, None))
     if chart_data.stated is not None:
         rows.append(("paper", "flexible", *chart_data.stated, *[None] * 6))
     return Table("speed", rows, KEYS)

@@ -62,25 +62,25 @@ def speed_figure(
     are drawn side by side, `named`. Simulated speeds are open symbols with their bounds of
     95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
     """
-    figure, (axes,) = new_grid(title, 1, 1, 3.3, COLUMN_INCHES)
-    places = range(len(rows)) if named else [row.tilt_deg for row in rows]
+    figure, (axes,) = new_grid(title, count=1, across=1, height=3.3, width=COLUMN_INCHES)
+    positions = range(len(rows)) if named else [row.tilt_deg for row in rows]
     with_runs = [*simulated, *[None] * (len(rows) - len(simulated))]
-    walkers = [PlottedWalker(*walker) for walker in zip(places, rows, with_runs, strict=True)]
+    walkers = [PlottedWalker(*walker) for walker in zip(positions, rows, with_runs, strict=True)]
     legend: dict[str, Any] = {}
     for kind, curve in chart_data.curves.items():
         legend |= _draw_curve(axes, kind, curve)
     legend |= _draw_theory(axes, chart_data.curves)
     for legs in dict.fromkeys(row.legs for row in rows):
-        own = [walker for walker in walkers if walker.row.legs == legs]
-        between = next((curve for kind, curve in chart_data.curves.items() if kind == legs), None)
-        legend |= _draw_predicted(axes, own, legs, between)
-        legend |= _draw_simulated(axes, own, legs)
+        same_kind = [walker for walker in walkers if walker.row.legs == legs]
+        kind_curve = next((curve for kind, curve in chart_data.curves.items() if kind == legs), None)
+        legend |= _draw_predicted(axes, same_kind, legs, kind_curve)
+        legend |= _draw_simulated(axes, same_kind, legs)
     if chart_data.stated is not None:
         look: Any = {"color": BLACK, "markerfacecolor": "white", "markersize": 11, "zorder": 2.5}
         legend[f"the paper: {chart_data.stated[1]:g} mm/s"] = axes.plot(*chart_data.stated, "*", **look)[0]
     if chart_data.measured is not None:
-        at = {walker.row.legs: float(walker.x) for walker in walkers} if named else {}
-        legend |= _draw_measured(axes, chart_data.measured, at)
+        positions_by_kind = {walker.row.legs: float(walker.x) for walker in walkers} if named else {}
+        legend |= _draw_measured(axes, chart_data.measured, positions_by_kind)
     _mark_sticking(axes, chart_data.curves)
     draw_level(axes)
     mixed = simulated or chart_data.measured
@@ -111,7 +111,7 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
         axes.fill_between(
             curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=look.colour, alpha=a, linewidth=0
         )
-        for low, high, a in ((0, 3, BAND_95_ALPHA), (1, 2, BAND_68_ALPHA))
+        for low, high, a in ((0, 3, BAND_95_ALPHA), (1, 2, BAND_68_ALPHA))  # rows of QUANTILES
     ]
     return {f"{kind}, {BOUNDS_LABEL}": (*bands, middle)}
 

@@ -134,7 +134,7 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
 
 
 def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
-    """Return the error of a design. If no legs fit under its body, a picture of it is attached, saved in `path`.
+    """Return the error of a design. If no legs fit under its body, it names a picture that is saved in `path`.
 
     Raises OutputError.
     """
@@ -146,7 +146,7 @@ def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
     from walkergen.files import figures
 
     with Folder(path, "") as folder:
-        folder.write("trouble.png", figures.png(unsupported_body.draw_unsupported_body(error), 100))
+        folder.write("trouble.png", figures.png(unsupported_body.draw_unsupported_body(error), dpi=100))
     return GeometryError(f"{error.text}. A picture is in {path / 'trouble.png'}", *error.keys)
 
 
@@ -156,7 +156,7 @@ def _trace_picture(design: Design) -> bytes | None:
     from walkergen.files import figures
 
     source = traced_outline.find_picture(design)
-    return None if source is None else figures.png(traced_outline.draw_outline(source), 100)
+    return None if source is None else figures.png(traced_outline.draw_outline(source), dpi=100)
 
 
 def _preview_png(name: str, walkers: Sequence[Member]) -> bytes:
@@ -170,7 +170,7 @@ def _preview_png(name: str, walkers: Sequence[Member]) -> bytes:
     parts = [
         preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, captions, strict=True)
     ]
-    return figures.png(preview.preview_figure(parts, name), 150)
+    return figures.png(preview.preview_figure(parts, name), dpi=150)
 
 
 def _chart_data(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> ChartData:

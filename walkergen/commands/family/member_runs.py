@@ -33,9 +33,9 @@ def verdict(row: Prediction, speed: Quantity) -> str:
 
     Speeds within AGREEMENT_MM_S agree.
     """
-    ends, predicted = speed.interval(), row.speed.interval(0.68)
-    if ends is None or predicted is None:
+    simulated, predicted = speed.interval(), row.speed.interval(0.68)
+    if simulated is None or predicted is None:
         return "unknown"
     off = row.speed.number - speed.number
-    meet = ends[0] <= predicted[1] and predicted[0] <= ends[1]
+    meet = simulated[0] <= predicted[1] and predicted[0] <= simulated[1]
     return "agree" if meet or abs(off) <= AGREEMENT_MM_S else f"off by {off:+.0f}"

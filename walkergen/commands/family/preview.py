@@ -79,7 +79,7 @@ class Part(NamedTuple):
         bottom = float(self.mesh.vertices[:, 1].max())
 
         def to_mesh_frame(corners: Array, up: float) -> Array:
-            """Transform corners seen from above to the front and to the left, at a height over the body."""
+            """Return corners (n, 2), forward and to the left, in the mesh's frame (n, 3), `up` mm above the body."""
             x, y = corners.T
             return np.column_stack([x, np.full(len(x), bottom + up), 0.5 * depth - y])
 
@@ -109,7 +109,7 @@ LIGHT_DIRECTION = np.array([-0.35, 0.75, 0.56])
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     """Draw all parts with labels, in rows in the order of the table. Many parts are drawn closer."""
     screens = [
-        np.concatenate([part.mesh.vertices, *(own.vertices for own in part.carried.values()), *((part.cap or ())[:1])])
+        np.concatenate([part.mesh.vertices, *(one.vertices for one in part.carried.values()), *((part.cap or ())[:1])])
         @ part.view.T
         for part in parts
     ]
@@ -148,10 +148,10 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
 
 def _arrange_rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
     """Arrange parts in rows, a new one for another kind of legs; `aspect`: height over width of a part's cell."""
-    most = ROW_PARTS if len(parts) <= MAX_LARGE_PARTS else 2 * ROW_PARTS
-    most = max(most, math.ceil(math.sqrt(len(parts) * aspect / MAX_ASPECT)))
+    row_length = ROW_PARTS if len(parts) <= MAX_LARGE_PARTS else 2 * ROW_PARTS
+    row_length = max(row_length, math.ceil(math.sqrt(len(parts) * aspect / MAX_ASPECT)))
     kinds = [list(group) for _, group in groupby(parts, key=lambda part: part.design.kind)]
-    return [kind[i : i + most] for kind in kinds for i in range(0, len(kind), most)]
+    return [kind[i : i + row_length] for kind in kinds for i in range(0, len(kind), row_length)]
 
 
 def _draw_scale_bar(axes: Axes, part: Part, at: Array) -> None:
@@ -183,7 +183,7 @@ class _View(NamedTuple):
 
 
 def _project_part(part: Part, at: Array) -> _View:
-    """Project a part at a point for the painter's algorithm without back faces: exact enough for a prism.
+    """Return the visible triangles of a part, from back to front, as its camera sees it, with the middle at `at`.
 
     Legs are drawn before a body with a flat underside, because from above they hide no part of it. The upper side of
     the body is drawn last.
@@ -208,8 +208,8 @@ def _project_part(part: Part, at: Array) -> _View:
     return _View(corners[order][:, :, :2] - middle + at, colours, middle)
 
 
-def _draw_attachments(axes: Axes, part: Part, moved: Array) -> None:
-    """Draw the cap and the carried parts of a part, shifted by `moved`."""
+def _draw_attachments(axes: Axes, part: Part, shift: Array) -> None:
+    """Draw the cap and the carried parts of a part, shifted by `shift` (x, y) in the picture."""
     cap, carried = part.cap, {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
     if cap is None and not carried:
         return
@@ -217,12 +217,12 @@ def _draw_attachments(axes: Axes, part: Part, moved: Array) -> None:
 
     if cap is not None:
         tile, squares = cap
-        rim = (tile @ part.view.T)[:, :2] + moved
+        rim = (tile @ part.view.T)[:, :2] + shift
         axes.fill(*rim[ConvexHull(rim).vertices].T, facecolor="white", edgecolor="#808080", lw=0.5)
-        marker = [(square @ part.view.T)[:, :2] + moved for square in squares]
+        marker = [(square @ part.view.T)[:, :2] + shift for square in squares]
         axes.add_collection(PolyCollection(marker, facecolors="black", edgecolors="black", lw=0.2))
     for name, outline in carried.items():
-        hull = outline[ConvexHull(outline[:, :2]).vertices, :2] + moved
+        hull = outline[ConvexHull(outline[:, :2]).vertices, :2] + shift
         axes.fill(*hull.T, facecolor=POCKET_COLOURS[name], edgecolor="black", linewidth=0.5, alpha=0.6)
         axes.annotate(name, hull.mean(axis=0), ha="center", va="center", fontsize=0.6 * LABEL_SIZE_PT)
 

@@ -21,11 +21,11 @@ def draw_outline(path: Path) -> Figure:
     """Draw the outline over its picture. Raises InputError."""
     found = silhouette.trace(path, "body.outline")
     height, width = found.image.shape
-    drawn = Figure(figsize=(6.0, 0.6 + 6.0 * height / width))
-    axes = drawn.add_subplot()
+    figure = Figure(figsize=(6.0, 0.6 + 6.0 * height / width))
+    axes = figure.add_subplot()
     axes.imshow(found.image, cmap="gray", vmin=0.0, vmax=1.0)
     for ring in found.contours:
         axes.plot(*np.vstack([ring, ring[:1]]).T, color="tab:red", linewidth=2.0)
     axes.set_axis_off()
     axes.set_title("; ".join(found.notes), fontsize=9, wrap=True)
-    return drawn
+    return figure

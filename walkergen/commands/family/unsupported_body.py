@@ -15,19 +15,19 @@ def draw_unsupported_body(error: UnplacedError) -> Figure:
     """Draw a body from above. Raises GeometryError for a body without a shape."""
     import shapely
 
-    room = leg_placement.available_space(error.body, error.legs)
-    drawn = Figure(figsize=(6.0, 5.0), layout="constrained")
-    axes = drawn.add_subplot()
-    for part, colour in ((room.ground, FAULT_COLOUR), (room.free, "0.75")):
+    space = leg_placement.available_space(error.body, error.legs)
+    figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+    axes = figure.add_subplot()
+    for part, colour in ((space.ground, FAULT_COLOUR), (space.free, "0.75")):
         for polygon in shapely.get_parts(part):
-            for ring, inside in ((polygon.exterior, colour), *((hole, "white") for hole in polygon.interiors)):
-                axes.fill(*np.asarray(ring.coords).T, color=inside)
+            for ring, ring_colour in ((polygon.exterior, colour), *((hole, "white") for hole in polygon.interiors)):
+                axes.fill(*np.asarray(ring.coords).T, color=ring_colour)
     angles = np.linspace(0.0, 2.0 * np.pi, 91)
-    circle = np.array(room.centre)[:, None] + room.radius * np.stack([np.cos(angles), np.sin(angles)])
+    circle = np.array(space.centre)[:, None] + space.radius * np.stack([np.cos(angles), np.sin(angles)])
     axes.plot(*circle, "--", color=FAULT_COLOUR, label="feet must surround this circle, or the body tips over")
-    axes.plot(*room.centre, "+", color="black", label="centre of mass, from above")
+    axes.plot(*space.centre, "+", color="black", label="centre of mass, from above")
     axes.set_aspect("equal")
     axes.set_xlabel("along the run, mm, forward to the right")
     axes.set_title("this body has no space for legs: red areas are missing")
-    drawn.legend(loc="outside lower center", ncols=2, fontsize=8)
-    return drawn
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
+    return figure

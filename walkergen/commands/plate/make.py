@@ -170,9 +170,9 @@ def _write_plates(
 
 def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
     """List the caps of all copies in the order of the map. Raises InputError."""
-    placed = [placement for plate in layout.plates for placement in plate.placements]
-    items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
-    return cap_files.number_caps([layout.members[place.part] for place in placed], items)
+    placements = [placement for plate in layout.plates for placement in plate.placements]
+    items = [packing.item_name(layout.parts[place.part], place.copy) for place in placements]
+    return cap_files.number_caps([layout.members[place.part] for place in placements], items)
 
 
 def _report(
@@ -261,12 +261,12 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
 
 def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path) -> list[Path]:
     """Write forms for the masses of each design's copies, except filled-in ones; return the written paths."""
-    design_of = dict(zip(names.part_names(members), members, strict=True))
+    designs_by_name = dict(zip(names.part_names(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}
     for row in rows:  # with several printers a copy has several rows
-        items.setdefault(design_of[row.name].name, {})[row.item] = None
+        items.setdefault(designs_by_name[row.name].name, {})[row.item] = None
     written = []
     for name, copies in items.items():
-        rows_of = [*copies, *weighed_masses.carried_rows(names.group_by_design(members)[name][0])]
-        written.append(weighed_masses.write_template(folder, rows_of, weighed_masses.form_name(members, name)))
+        form_rows = [*copies, *weighed_masses.carried_rows(names.group_by_design(members)[name][0])]
+        written.append(weighed_masses.write_template(folder, form_rows, weighed_masses.form_name(members, name)))
     return [path for path in written if path is not None]

@@ -23,21 +23,21 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     line for each mistake, and PlateError for more parts than can be arranged together.
     """
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
-    wanted = (
+    expected = (
         f" and, optionally, {', '.join(OPTIONAL_COLUMNS)}, separated by commas; seen: {', '.join(table.names)[:80]!r}"
     )
-    columns.check_names(table.names, path, REQUIRED_COLUMNS, OPTIONAL_COLUMNS, wanted)
+    columns.check_names(table.names, path, REQUIRED_COLUMNS, OPTIONAL_COLUMNS, expected)
     if not table.rows:
         raise InputError(f"{path}: no rows after the header. Add a row for each walker to print.")
     if len(table.rows) > packing.MAX_PARTS:
         raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MAX_PARTS}")
-    shelf = _DesignCache(path.parent)
+    designs = _DesignCache(path.parent)
     members: dict[str, Design] = {}
     copies: dict[str, int] = {}
     problems: list[str] = []
     for line, row in table.rows:
         try:
-            count, member = _parse_copies(row["copies"]), shelf.member(row, line)
+            count, member = _parse_copies(row["copies"]), designs.member(row, line)
         except InputError as error:
             problems += [f"{path}:{line}: {text}" for text in error.text.splitlines()]
             continue

@@ -66,12 +66,12 @@ def make_report(
 
     Notes also state if an accepted error may have left something out, and if only the theory applies.
     """
-    noted = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
-    tables = speed_table.tables("prediction", design.name, walkers, noted)
+    with_notes = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
+    tables = speed_table.tables("prediction", design.name, walkers, with_notes)
     rows = list(tables[0])
-    for row, member, own in zip(rows, walkers, shares, strict=False):
+    for row, member, walker_shares in zip(rows, walkers, shares, strict=False):
         title = f"{member.name}: share of the variance behind the bounds"
-        tables.append(speed_table.shares_table(f"shares of {member.name}", own, title))
+        tables.append(speed_table.shares_table(f"shares of {member.name}", walker_shares, title))
         row["shares"] = list(tables[-1])
     title = design.name
     if len(walkers) == 1:
@@ -79,16 +79,16 @@ def make_report(
         title += (
             f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.describe_speed(walker.row)}"
         )
-    said = [title] if len(walkers) == 1 else []
+    caption_lines = [title] if len(walkers) == 1 else []
     if why:
-        said.append(speed_table.caption(design, scene, mode))
+        caption_lines.append(speed_table.caption(design, scene, mode))
     return PredictReport(
         name="predict",
         title=title,
         tables=tables,
         facts={"rows": rows},
-        caption="\n".join(said),
-        lines=speed_table.note_lines(walkers, noted),
+        caption="\n".join(caption_lines),
+        lines=speed_table.note_lines(walkers, with_notes),
         scene=scene,
         members=walkers,
     )

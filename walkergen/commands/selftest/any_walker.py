@@ -55,7 +55,7 @@ def _design(legs: Any, **tables: Any) -> Design:
 
 
 def _plan(design: Design, mass: MassProperties | None = None, arena: str = "plane") -> Plan:
-    """Make the plan of a design in space, shaken at 1.8 g."""
+    """Prepare the 3D simulation of a design, shaken at 1.8 g, in an `arena` ("plane" or "lane")."""
     scene = Scene.model_validate({"arena": {"kind": arena}, "drive": paper_drive(1.8)})
     return prepare(scene, design, solids.mass_of(design) if mass is None else mass)
 
@@ -63,15 +63,15 @@ def _plan(design: Design, mass: MassProperties | None = None, arena: str = "plan
 def _check_mirror_image() -> Iterator[Check]:
     """Check that the mirror image of a walker on three unlike legs runs exactly the other way."""
     design = _design(list(THREE_LEGS))
-    turned = [leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE_LEGS[::-1]]
+    mirrored_legs = [leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE_LEGS[::-1]]
     mass = solids.mass_of(design)
-    plan, mirror_plan = _plan(design, mass), _plan(_design(turned), _mirrored_mass(mass))
+    plan, mirror_plan = _plan(design, mass), _plan(_design(mirrored_legs), _mirrored_mass(mass))
     state = moving_start(plan)
-    other = mirror_state(plan.world.walker, state)
+    mirrored = mirror_state(plan.world.walker, state)
     advance(plan, state, COMPARISON_S)
-    advance(mirror_plan, other, COMPARISON_S)
-    off = max_pose_difference(mirror_state(plan.world.walker, state), other)
-    yield Check(f"after {COMPARISON_S:g} s, mm", off, 1e-9, ROUNDING_REASON)
+    advance(mirror_plan, mirrored, COMPARISON_S)
+    difference = max_pose_difference(mirror_state(plan.world.walker, state), mirrored)
+    yield Check(f"after {COMPARISON_S:g} s, mm", difference, 1e-9, ROUNDING_REASON)
 
 
 def _mirrored_mass(mass: MassProperties) -> MassProperties:
@@ -92,13 +92,13 @@ def _mirrored_mass(mass: MassProperties) -> MassProperties:
 
 def _check_listed_legs() -> Iterator[Check]:
     """Check that two equal legs run identically to the last bit, whether listed separately or not."""
-    ends: list[Array] = []
+    final_states: list[Array] = []
     for legs in ({"tilt_deg": 10.0}, [{"tilt_deg": 10.0, "along_mm": x} for x in (-6.5, 6.5)]):
         plan = _plan(_design(legs))
         state = moving_start(plan)
         advance(plan, state, RUN_S)
-        ends.append(state)
-    same = bool(np.array_equal(ends[0], ends[1]))
+        final_states.append(state)
+    same = bool(np.array_equal(final_states[0], final_states[1]))
     yield check_fact("[legs] against [[legs]]: the same bits", same)
 
 
@@ -126,12 +126,12 @@ def _check_disc() -> Iterator[Check]:
     """Check that a disc has no corners: on an endless plane it runs alike in every direction."""
     plan = _plan(_design(_disc_legs(), body=DISC_BODY))
     reach = float(np.abs(plan.world.walker.corners[:, [0, 2]]).max())
-    wide = np.hypot(*plan.world.walker.corners[:, [0, 2]].T).max()
-    off = float(np.hypot(*plan.world.walker.centre[[0, 2]]))
+    radius = np.hypot(*plan.world.walker.corners[:, [0, 2]].T).max()
+    offset = float(np.hypot(*plan.world.walker.centre[[0, 2]]))
     yield Check(
-        "farthest point of its hull from C beyond its radius, mm", wide - 11.0, 2.0 * off, "twice C's way off O"
+        "farthest point of its hull from C beyond its radius, mm", radius - 11.0, 2.0 * offset, "twice C's way off O"
     )
-    yield check_fact("its hull is as wide as long", abs(reach / wide - 1.0) < 0.02)
+    yield check_fact("its hull is as wide as long", abs(reach / radius - 1.0) < 0.02)
     state = moving_start(plan)
     turned = quarter_turn(state)
     advance(plan, state, COMPARISON_S)
@@ -147,7 +147,7 @@ def _check_forty_legs() -> Iterator[Check]:
         for z in (-3.0, 3.0)
     ]
     plan = _plan(_design(legs))
-    state = plan.initial_state(0.0, 0.0, 0.0)
+    state = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)
     off = float(np.abs(plan.feet(state)[:, 1]).max())
     yield Check("heights of forty feet that stand, mm", off, 1e-9, "rounding of a mesh's masses")
     yield from check_space_motion(plan, moving_start(plan), 4e-3, "forty legs", ENERGY_LIMIT)
@@ -160,13 +160,13 @@ def _check_mesh_body() -> Iterator[Check]:
         path = Path(folder) / "box.stl"
         upright = box._replace(vertices=box.vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0))
         path.write_bytes(stl_bytes(upright, "box"))
-        ends: list[Array] = []
+        final_states: list[Array] = []
         for body in ({}, {"mesh": str(path)}):
             plan = _plan(_design({"tilt_deg": 10.0, "width_mm": 8.0}, body=body))
             state = moving_start(plan)
             advance(plan, state, COMPARISON_S)
-            ends.append(state)
-    yield Check("after 6 ms, mm", max_pose_difference(*ends), 1e-7, "rounding of masses, grown by landings")
+            final_states.append(state)
+    yield Check("after 6 ms, mm", max_pose_difference(*final_states), 1e-7, "rounding of masses, grown by landings")
 
 
 CASES = [

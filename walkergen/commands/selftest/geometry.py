@@ -137,14 +137,15 @@ def _check_coplanar_brace() -> Iterator[Check]:
     for foot, tilt, brace in itertools.product(FEET, tilts, (0.5, 1.0 - 1e-12)):
         design = _design(kind="braced", foot=foot, tilt_deg=tilt, brace_thickness_mm=brace)
         yield from _check_sound(design)
-    frozen = solids.weigh(upright := _design(kind="braced", tilt_deg=0.0), solids.build(upright))
+    weighed = solids.weigh(upright := _design(kind="braced", tilt_deg=0.0), solids.build(upright))
+    # The paper's walker, mm: density in g/mm^3 times the depth
     body, leg = closed_forms.rectangle(28.0, 3.0), closed_forms.rectangle(1.0, 7.5)
     area, lever = body.area + 2.0 * leg.area, 5.25  # from the body's middle to a leg's, along y
     drop = 2.0 * leg.area * lever / area
     second = body.second + 2.0 * (leg.second + leg.area * (6.5**2 + lever**2)) - area * drop**2
     density = 1.24e-3 * 8.0
-    yield _check_relative("upright braced walker: M", float(frozen.M), density * area, 1e-12, ROUNDING_REASON)
-    yield _check_relative("upright braced walker: J", float(frozen.J), density * second, 1e-12, ROUNDING_REASON)
+    yield _check_relative("upright braced walker: M", float(weighed.M), density * area, 1e-12, ROUNDING_REASON)
+    yield _check_relative("upright braced walker: J", float(weighed.J), density * second, 1e-12, ROUNDING_REASON)
 
 
 def _check_opening_window() -> Iterator[Check]:
@@ -152,6 +153,7 @@ def _check_opening_window() -> Iterator[Check]:
     for foot, tilt in itertools.product(FEET, (10.0, -40.0)):
         start = _design(kind="braced", foot=foot, tilt_deg=tilt)
         sin, cos = abs(math.sin(start.limbs[0].tilt)), math.cos(start.limbs[0].tilt)
+        # The brace, 0.5 mm wide, then clears the leg, 1 mm wide, at the body
         length = 0.5 * (1.0 / cos + 0.5) / sin + (0.5 if foot == "round" else 0.0)
         for part in (-1e-6, -1e-12, 0.0, 2.0**-52, 1e-14, 1e-11, 1e-9, 1e-8, 1e-6):
             yield from _check_sound(_design(kind="braced", foot=foot, tilt_deg=tilt, length_mm=length * (1.0 + part)))
@@ -252,15 +254,15 @@ def _check_round_feet() -> Iterator[Check]:
     """Check arcs from two edges to four thousand: never larger than the circle's."""
     for tilt in (0.0, 20.0, -45.0):
         design = _design(foot="round", tilt_deg=tilt)
-        exact, lacks = closed_forms.leg(design).area, []
+        exact, missing_areas = closed_forms.leg(design).area, []
         for segments in (2, 3, 16, 64, 4096):
             leg = solids.build(design, segments).legs[0]
             yield Check(f"{_name(design)}, {segments} edges: open", _count_defects(leg), 0, EXACT_REASON)
             area = mass.weigh(leg, 1.0).volume / design.size.depth
-            lacks.append(exact - area)
+            missing_areas.append(exact - area)
             what = f"{_name(design)}, {segments} edges: larger than the circle"
-            yield Check(what, -lacks[-1] / exact, 1e-14, ROUNDING_REASON)
-        ratio = lacks[2] / lacks[3]
+            yield Check(what, -missing_areas[-1] / exact, 1e-14, ROUNDING_REASON)
+        ratio = missing_areas[2] / missing_areas[3]
         reason = "16 times at four times the edges; the lowest point shifts some edges' lengths"
         yield Check(f"{_name(design)}: not of second order", abs(ratio - 16.0), 0.5, reason)
 

@@ -167,6 +167,7 @@ def _check_upright_walker() -> Iterator[Check]:
     """Check by symmetry: the feet of an upright walker push in opposite directions."""
 
     def factors(tilt: float, e: float, mu: float) -> speed.Factors:
+        """Return the feet's speeds at a tilt (deg), over w, the speed at which they meet the plate."""
         return speed.factors(masses(paper_design(tilt)), e, mu)
 
     mean = odd = jump = 0.0
@@ -205,11 +206,11 @@ def _check_leg_masses() -> Iterator[Check]:
     reach = np.array(design.limbs[0].anchor_to_foot)
     worst, least = 0.0, math.inf
     for ratio in (1e-9, 1e-6, 1e-3, 1.0, 1e3):
-        loose = masses(design, leg_mass=0.833 * ratio)
-        H = foot_tensors(loose)[0]
+        walker_mass = masses(design, leg_mass=0.833 * ratio)
+        H = foot_tensors(walker_mass)[0]
         least = min(least, determinant(float(H.xx), float(H.xy), float(H.yy)))
         if ratio <= 1e-6:
-            m, M = float(loose.legs[0].m), float(loose.M)
+            m, M = float(walker_mass.legs[0].m), float(walker_mass.M)
             scaled = np.array([H.xx, H.xy, H.yy]) * m / 3.0
             limit = np.array([reach[1] ** 2, -reach[0] * reach[1], reach[0] ** 2]) / LEG_LENGTH_MM**2
             worst = max(worst, float(abs(scaled - limit).max()) * M / m)
@@ -229,7 +230,7 @@ def _check_speed_scaling() -> Iterator[Check]:
         out = resolve(H, v, e, mu)
         for n in (-990, -600, -300, 300, 600, 990):
             slow = resolve(H, (math.ldexp(v[0], n), math.ldexp(v[1], n)), e, mu)
-            grown = (math.ldexp(component, -n) for component in slow[:4])
+            grown = (math.ldexp(component, -n) for component in slow[:4])  # impulse and velocity
             same += (*grown, *slow[4:]) == tuple(out)
     yield check_fact("240 impacts of 1e-298 to 1e298 mm/s", same == 240)
 

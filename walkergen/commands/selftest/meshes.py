@@ -82,14 +82,14 @@ def _check_thin_walls() -> Iterator[Check]:
 def _check_coincident_faces() -> Iterator[Check]:
     """Check unions whose faces lie in one plane: whole, in part, one inside the other, and but for an ulp."""
     size = (20.0, 6.0, 8.0)
-    for name, place, volume in (
+    for name, position, volume in (
         ("face on face", (20.0, 0.0, 0.0), 2.0),
         ("a part of a face", (20.0, 3.0, 4.0), 2.0),
         ("sides in one plane", (10.0, 0.0, 0.0), 1.5),
         ("the same box twice", (0.0, 0.0, 0.0), 1.0),
         ("an ulp inside", (math.nextafter(20.0, 0.0), 0.0, 0.0), 2.0),
     ):
-        both = modeller.to_solid(_box(size)) + modeller.to_solid(_box(size, place))
+        both = modeller.to_solid(_box(size)) + modeller.to_solid(_box(size, position))
         union = modeller.to_mesh(modeller.check_solid(both))
         yield check_fact(f"{name}: one body", len(modeller.split_bodies(both)) == 1)
         edges = np.concatenate([union.triangles[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))])

@@ -80,17 +80,17 @@ def scaled_paper_plan(scale: float, run: Mapping[str, float] | None = None, **ta
 
     Young's moduli x s keep the springs similar; s is `scale`. `run` and `tables` are of the scene.
     """
-    one = paper_design(10.0)
+    paper = paper_design(10.0)
     lengths = {
         name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
-        for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
+        for name, section in paper.model_dump(include={"body", "legs"}, exclude_none=True).items()
     }
     design = Design.model_validate(lengths | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
     drive = {"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}
-    usual = Scene()
+    default_scene = Scene()
     similar = {
-        "plate": {"youngs_modulus_gpa": usual.plate.elastic.youngs_modulus_gpa * scale},
-        "feet": {"tip_radius_um": usual.feet.tip_radius_um * scale},
+        "plate": {"youngs_modulus_gpa": default_scene.plate.elastic.youngs_modulus_gpa * scale},
+        "feet": {"tip_radius_um": default_scene.feet.tip_radius_um * scale},
     }
     scene = Scene.model_validate({"drive": drive, "run": run or {}, **similar, **tables})
     return prepare(scene, design, masses(design))
@@ -117,7 +117,7 @@ def check_motion(
     """
     before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
     sums = np.zeros_like(record.new_tally(0).sums)
-    for _ in range(40):
+    for _ in range(40):  # parts, between which the feet are checked
         outcome, tally = advance(plan, state, seconds / 40)
         sums += tally.sums
         lowest = min(lowest, float(plan.feet(state)[:, 1].min()))

@@ -62,17 +62,20 @@ def _check_zero_slip() -> Iterator[Check]:
     """Check a landing at a tangential velocity of exactly zero: the limit of slow slips."""
     for friction in (0.1, 0.25, 2.0):
         plan = space_plan(drive=STILL_DRIVE, contact={"friction": friction, "restitution": 0.5})
-        ends = []
+        final_states = []
         for slip in (0.0, 1e-9, -1e-9):
-            state = plan.initial_state(0.0, 4e-3, 0.0, 2e-3)
+            state = plan.initial_state(clearance=0.0, pitch=4e-3, phase=0.0, roll=2e-3)
             state[[V_X, V_Y]] = slip, -20.0
             advance(plan, state, 2e-3)
-            ends.append(state)
-        finite = all(bool(np.isfinite(state).all()) for state in ends)
+            final_states.append(state)
+        finite = all(bool(np.isfinite(state).all()) for state in final_states)
         yield check_fact(f"mu = {friction:g}: finite", finite)
         yield Check(
             f"mu = {friction:g}: end without slip against slips of +-1e-9 mm/s, mm",
-            max(max_pose_difference(ends[0], ends[1]), max_pose_difference(ends[0], ends[2])),
+            max(
+                max_pose_difference(final_states[0], final_states[1]),
+                max_pose_difference(final_states[0], final_states[2]),
+            ),
             1e-9,
             "2e-12 mm of way, grown by a landing",
         )
@@ -81,23 +84,23 @@ def _check_zero_slip() -> Iterator[Check]:
 def _check_lossless_bounces() -> Iterator[Check]:
     """Check that free bounces of undamped smooth feet gain no energy, and lose little of it by the step."""
     for tilt in (5.0, 10.0, 20.0, 35.0):
-        own = 1e6 * space_plan(tilt, drive=paper_drive(1.8)).world.options.step
-        whole, fine = _energy_changes(tilt, own), _energy_changes(tilt, own / 16.0)
-        gained = max(max(change for change, _ in whole), 0.0)
+        step_us = 1e6 * space_plan(tilt, drive=paper_drive(1.8)).world.options.step
+        at_step, at_fine_step = _energy_changes(tilt, step_us), _energy_changes(tilt, step_us / 16.0)
+        gained = max(max(change for change, _ in at_step), 0.0)
         yield Check(
             f"{tilt:g} deg: energy gained in {BOUNCES_S:g} s, relative", gained, 0.02, "steps of second order lose it"
         )
-        lost = max(-math.log1p(change) / landings for change, landings in whole)
+        lost = max(-math.log1p(change) / landings for change, landings in at_step)
         yield Check(
             f"{tilt:g} deg: energy lost in a landing, relative",
             lost,
             0.02 * (1.0 - PAPER_CONTACT.restitution**2),
             "the step takes less than a fiftieth of what the damper of the paper's restitution takes",
         )
-        lost_by_fine = max(abs(change) / landings for change, landings in fine)
+        lost_at_fine_step = max(abs(change) / landings for change, landings in at_fine_step)
         yield Check(
             f"{tilt:g} deg: at a sixteenth of the step, over that",
-            lost_by_fine / lost,
+            lost_at_fine_step / lost,
             1.0 / 16.0,
             "of more than first order",
         )
@@ -116,9 +119,11 @@ def _energy_changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
         run={"step_us": step_us},
     )
     changes = []
-    for place in np.linspace(-1.0, 1.0, 10):
-        state = plan.initial_state(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
-        at_rest = plan.energy(plan.initial_state(0.0, 0.0, 0.0))
+    for offset in np.linspace(-1.0, 1.0, 10):
+        state = plan.initial_state(
+            clearance=0.5 + 0.1 * offset, pitch=4e-3 * offset, phase=0.0, roll=3e-3 + 1e-3 * offset
+        )
+        at_rest = plan.energy(plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0))
         before = plan.energy(state) - at_rest
         _, tally = advance(plan, state, BOUNCES_S)
         changes.append(((plan.energy(state) - at_rest) / before - 1.0, int(tally.counts[record.IMPACTS])))
@@ -151,28 +156,30 @@ def _check_frozen_joints() -> Iterator[Check]:
             "run": {"step_us": 1.0},
         }
     )
-    loose = prepare(scene, stiff, masses(stiff))
-    case = loose.case._replace(mass=to_rigid(masses(stiff)))
-    joined, _ = make_walker(case, loose.resolved)
-    joined = joined._replace(damper=loose.world.walker.damper)  # given for a corner of its own leg's mass
-    braced = loose._replace(world=loose.world._replace(walker=joined))
-    walker = loose.world.walker
+    with_joints = prepare(scene, stiff, masses(stiff))
+    case = with_joints.case._replace(mass=to_rigid(masses(stiff)))
+    rigid_walker, _ = make_walker(case, with_joints.resolved)
+    rigid_walker = rigid_walker._replace(
+        damper=with_joints.world.walker.damper
+    )  # given for a corner of its own leg's mass
+    without_joints = with_joints._replace(world=with_joints.world._replace(walker=rigid_walker))
+    walker = with_joints.world.walker
     frozen = mobility(walker._replace(hinge_mobility=0.0 * walker.hinge_mobility))
-    whole = mobility(braced.world.walker)
+    rigid = mobility(without_joints.world.walker)
     yield Check(
         "inverse mass at the corners, relative",
-        float(np.abs(frozen - whole).max() / np.abs(whole).max()),
+        float(np.abs(frozen - rigid).max() / np.abs(rigid).max()),
         1e-12,
         "rounding",
     )
-    ends = []
-    for plan in (loose, braced):
-        state = plan.initial_state(0.05, 4e-3, 0.0, 2e-3)
+    velocities = []
+    for plan in (with_joints, without_joints):
+        state = plan.initial_state(clearance=0.05, pitch=4e-3, phase=0.0, roll=2e-3)
         advance(plan, state, 8e-3)
-        ends.append(state[C_X : Q_Z + 1])
+        velocities.append(state[C_X : Q_Z + 1])
     yield Check(
         "velocities after five landings against those without joints, mm/s and rad/s",
-        float(np.abs(ends[0] - ends[1]).max()),
+        float(np.abs(velocities[0] - velocities[1]).max()),
         0.2,
         "give of the joints, some thousandth of that of the tips; the walker falls at 31 mm/s",
     )
@@ -186,10 +193,10 @@ def _check_wall_and_plate() -> Iterator[Check]:
             arena={"kind": "lane", "gap_mm": LANE_GAP_MM, "wall_restitution": restitution},
             contact={"restitution": restitution},
         )
-        state = plan.initial_state(0.0, 0.0, 0.0)
+        state = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)
         state[C_Z] = 0.25
         state[[V_X, V_Y, V_Z]] = 10.0, -20.0, 30.0
-        other = mirror_image(state)
+        image = mirror_image(state)
         touched = state.copy()
         advance(plan, touched, FIRST_TOUCH_S)
         pushed = bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0 - GRAVITY * FIRST_TOUCH_S)
@@ -197,8 +204,8 @@ def _check_wall_and_plate() -> Iterator[Check]:
         title = f"e = {restitution:g}: both walls, alike, mm"
         direct = state.copy()
         advance(plan, direct, 1e-3)
-        advance(plan, other, 1e-3)
-        yield Check(title, max_pose_difference(mirror_image(direct), other), 1e-9, "rounding, grown by landings")
+        advance(plan, image, 1e-3)
+        yield Check(title, max_pose_difference(mirror_image(direct), image), 1e-9, "rounding, grown by landings")
         yield from check_space_motion(plan, state, RUN_S, f"e = {restitution:g}", ENERGY_LIMIT)
         play = 0.5 * (LANE_GAP_MM - plan.case.design.size.depth)
         yield Check(

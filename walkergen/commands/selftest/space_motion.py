@@ -71,7 +71,7 @@ def _check_planar_motion() -> Iterator[Check]:
             plan = space_plan(
                 drive=paper_drive(1.8), contact=contact, effects={"on" if free else "off": ["roll_and_yaw"]}
             )
-            state = plan.initial_state(0.05, 4e-3, 1.0)
+            state = plan.initial_state(clearance=0.05, pitch=4e-3, phase=1.0)
             state[[V_X, W_Z]] = 12.0, 0.7
             advance(plan, state, FIRST_LANDING_S if free else 0.2)
             deviation = float(np.abs(state[[SHOWN_Y, HEADING, ROLL, C_Z]]).max())
@@ -87,22 +87,26 @@ def _check_tiny_roll() -> Iterator[Check]:
     """Check that first landings change in proportion to a tiny roll: no rule for ties decides."""
     for contact in CONTACTS:
         plan = space_plan(drive=paper_drive(1.8), contact=contact)
-        ends = []
+        final_states = []
         for roll in (0.0, 1e-9, 2e-9):
             state = moving_start(plan, roll)
             state[W_X : W_Z + 1] = 0.0, 0.0, 0.7
             advance(plan, state, FIRST_LANDING_S)
-            ends.append(state)
+            final_states.append(state)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         yield Check(
             f"{title}: answer to a roll of 1e-9 rad, mm",
-            max_pose_difference(ends[0], ends[1]),
+            max_pose_difference(final_states[0], final_states[1]),
             1e-6,
             "4e-9 mm of a corner's height, grown six times by each landing of a corner",
         )
         yield Check(
             f"{title}: twice the roll, twice the answer, relative",
-            abs(max_pose_difference(ends[0], ends[2]) / max_pose_difference(ends[0], ends[1]) - 2.0),
+            abs(
+                max_pose_difference(final_states[0], final_states[2])
+                / max_pose_difference(final_states[0], final_states[1])
+                - 2.0
+            ),
             0.2,
             "modes of the contacts change a few steps earlier or later",
         )
@@ -163,7 +167,7 @@ def _check_scaling() -> Iterator[Check]:
         length, seconds = 4.0**power, 2.0**power
         # A given step: its own follows from powers of 0.4 and 2/3, which scale to rounding only
         plan = scaled_paper_plan(length, {"step_us": 16.0 * seconds}, arena={"kind": "plane"})
-        state = plan.initial_state(0.0625 * length, 4e-3, 1.0, 1e-3)
+        state = plan.initial_state(clearance=0.0625 * length, pitch=4e-3, phase=1.0, roll=1e-3)
         state[[V_X, V_Z]] = 12.0 * seconds, 3.0 * seconds
         state[W_Y] = 0.25 / seconds
         outcome, tally = advance(plan, state, 0.25 * seconds)

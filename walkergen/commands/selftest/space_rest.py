@@ -59,13 +59,13 @@ def _check_spin() -> Iterator[Check]:
         plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
         state = resting_state(plan)
         state[[W_Y, QUIET]] = INITIAL_SPIN_RAD_S, 0.0
-        start, reach = state.copy(), math.hypot(HALF_SPACING_MM, 0.5 * plan.case.design.size.depth)
+        start, corner_radius = state.copy(), math.hypot(HALF_SPACING_MM, 0.5 * plan.case.design.size.depth)
         walker = plan.world.walker
-        torque = FRICTION * walker.mass * GRAVITY * reach
+        torque = FRICTION * walker.mass * GRAVITY * corner_radius
         turn = 0.5 * walker.inertia[1, 1] * INITIAL_SPIN_RAD_S**2 / torque
-        stops = 2.0 * turn / INITIAL_SPIN_RAD_S
-        advance(plan, state, 1.2 * stops)
-        stopped, rings = state.copy(), 2.0 * friction_windup(plan) / reach
+        stop_time = 2.0 * turn / INITIAL_SPIN_RAD_S
+        advance(plan, state, 1.2 * stop_time)
+        stopped, swing = state.copy(), 2.0 * friction_windup(plan) / corner_radius
         advance(plan, state, 0.5)
         title = f"{tilt:g} deg"
         yield Check(
@@ -77,7 +77,7 @@ def _check_spin() -> Iterator[Check]:
         yield Check(
             f"{title}: turn after 1.2 of Coulomb's time, rad",
             abs(float(state[HEADING] - stopped[HEADING])),
-            2.0 * rings,
+            2.0 * swing,
             "it has stopped, and swings on springs that friction has wound up: twice their range",
         )
         yield Check(
@@ -100,7 +100,7 @@ def _raise_corner(plan: Plan, height: float) -> Plan:
 
 
 def _advance_awake(plan: Plan, state: Array, seconds: float) -> None:
-    """Advance a walker without letting it rest: at rest it would move with the plate."""
+    """Advance a walker's `state` in place without letting it rest: at rest it would move with the plate."""
     for _ in range(round(seconds / AWAKE_STEP_S)):
         state[QUIET] = 0.0
         advance(plan, state, AWAKE_STEP_S)
@@ -112,7 +112,7 @@ def _check_standing() -> Iterator[Check]:
         for height in (0.0, RAISED_CORNER_MM):
             plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
             plan = _raise_corner(plan, height)
-            state = plan.initial_state(0.0, 0.0, 0.0)
+            state = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)
             _advance_awake(plan, state, SETTLING_S)
             before = state.copy()
             _advance_awake(plan, state, STANDING_S)
@@ -154,11 +154,11 @@ def _check_righting() -> Iterator[Check]:
     for tilt in (0.0, 10.0):
         plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
         # It topples where C stands over the edge of its feet
-        level = plan.initial_state(0.0, 0.0, 0.0)
+        level = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)
         edge = math.atan2(0.5 * plan.case.design.size.depth, float(level[C_Y]))
         for side in (1.0, -1.0):
             for beyond, wanted in ((-3e-3, Outcome.OK), (3e-3, Outcome.TOPPLED)):
-                state = plan.initial_state(0.0, 0.0, 0.0, side * (edge + beyond))
+                state = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0, roll=side * (edge + beyond))
                 outcome, _ = advance(plan, state, 1.0)
                 title = f"{tilt:g} deg, let go at {side * (edge + beyond):.3f} rad"
                 yield check_fact(f"{title}: {outcome.value}", outcome is wanted)

@@ -38,20 +38,20 @@ SETTLING_S = 1.0
 
 
 def space_plan(tilt_deg: float = 10.0, **tables: Any) -> Plan:
-    """Make the plan of the paper's walker in space, on a plane unless `tables` of the scene differ."""
+    """Prepare the 3D simulation of the paper's walker, on a plane unless `tables` of the scene differ."""
     return paper_plan(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 
 
 def moving_start(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
     """Return the state of a walker with a `roll` (rad), dropped from `gap` mm with everything moving."""
-    state = plan.initial_state(gap, 4e-3, 1.0, roll)
+    state = plan.initial_state(clearance=gap, pitch=4e-3, phase=1.0, roll=roll)
     state[[V_X, V_Z, W_X, W_Y, W_Z]] = 12.0, 3.0, 0.5, 0.3, 0.7
     return state
 
 
 def resting_state(plan: Plan) -> Array:
     """Return the state of a walker that was put down on its feet and came to rest."""
-    state = plan.initial_state(0.0, 0.0, 0.0)
+    state = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)
     advance(plan, state, SETTLING_S)
     return state
 
@@ -59,7 +59,7 @@ def resting_state(plan: Plan) -> Array:
 def mirror_image(state: Array) -> Array:
     """Return the mirror image z -> -z of the state of a two-legged walker with twist, except for the contacts."""
     image = state.copy()
-    twists = [LEGS + 1, LEGS + 3, LEGS + 5, LEGS + 7]
+    twists = [LEGS + 1, LEGS + 3, LEGS + 5, LEGS + 7]  # their angles, then their rates
     image[[SHOWN_Y, HEADING, ROLL, C_Z, V_Z, W_X, W_Y, Q_X, Q_Y, *twists]] *= -1.0
     return image
 
@@ -103,10 +103,10 @@ def friction_windup(plan: Plan) -> float:
     load = walker.mass * GRAVITY / np.count_nonzero(walker.place == 0.0)
     depth = (load / float(walker.tip[0])) ** (2.0 / 3.0)
     tangent = 1.0 / (1.0 / float(walker.spring[0]) + 1.0 / (1.5 * float(walker.tip[0]) * math.sqrt(depth)))
-    gives = 1.0 / (float(walker.shear[0]) * tangent)
+    compliance = 1.0 / (float(walker.shear[0]) * tangent)
     hinge, twist = float(walker.stiffness[0]), float(walker.stiffness[1])
-    gives += 2.0 * (float(np.hypot(*walker.reach[0])) ** 2 / hinge + float(walker.side[0]) ** 2 / twist)
-    return float(walker.friction[0] * load * gives)
+    compliance += 2.0 * (float(np.hypot(*walker.reach[0])) ** 2 / hinge + float(walker.side[0]) ** 2 / twist)
+    return float(walker.friction[0] * load * compliance)
 
 
 def check_constant_velocity(plan: Plan, seconds: float) -> Check:
@@ -119,8 +119,8 @@ def check_constant_velocity(plan: Plan, seconds: float) -> Check:
 
 
 def check_space_motion(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
-    """Yield the checks of `check_motion` for a motion in space; the foot's depth follows from the fall."""
-    fallen = max(plan.energy(state) - plan.energy(plan.initial_state(0.0, 0.0, 0.0)), 0.0)
+    """Yield the checks of `check_motion`; the limit of a foot's depth follows from the energy of the fall."""
+    fallen = max(plan.energy(state) - plan.energy(plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)), 0.0)
     speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
     reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"
     return check_motion(plan, state, seconds, about, tolerance, (max_compression(plan, 2.0 * speed), reason))

@@ -56,15 +56,15 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
 
     speed = point.summary.speed._replace(se=None)
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, MAX_RUN_S)})
-    short = scene.model_copy(update={"run": run})
+    short_scene = scene.model_copy(update={"run": run})
     try:
-        drawn = draws.simulate_prints(short, walker.design, PRINT_DRAWS, progress)
+        drawn = draws.simulate_prints(short_scene, walker.design, PRINT_DRAWS, progress)
     except InputError as error:
         return Orbit(kind, 0, speed, error.text)
-    ends = draws.speed_bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
+    bounds = draws.speed_bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
     mean = float(drawn.halves.mean())
-    ends = draws.add_step_error(ends, mean, drawn.by_step_mm_s)
-    return Orbit(kind, len(drawn.halves), speed._replace(ends=ends))
+    bounds = draws.add_step_error(bounds, mean, drawn.by_step_mm_s)
+    return Orbit(kind, len(drawn.halves), speed._replace(ends=bounds))
 
 
 def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:

@@ -52,22 +52,22 @@ def rename_motor_power(data: Any, scene: Scene) -> Any:
 
 
 def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield the motion of a walker in space. A reason that several estimates share is given once."""
+    """Yield the numbers of a walker's motion. A reason that successive estimates share is given once."""
     if simulated.motion is None:
         return
-    before, found = "", simulated.motion.estimates
-    in_lane = found["sideways_speed"].refused == LANE_REASON
-    for number in map(found.__getitem__, MOTION_NAMES):
-        known = number.value is not None or number.refused != before
+    last_reason, estimates = "", simulated.motion.estimates
+    in_lane = estimates["sideways_speed"].refused == LANE_REASON
+    for number in map(estimates.__getitem__, MOTION_NAMES):
+        known = number.value is not None or number.refused != last_reason
         is_mean_speed = in_lane and number.key == "lane_speed"
         if known and not is_mean_speed and number.refused not in (LANE_REASON, NO_SLOPE_REASON):
             yield number
-        before = number.refused
+        last_reason = number.refused
     lags, values, errors = simulated.motion.exponent
     defined = np.flatnonzero(np.isfinite(values) & np.isfinite(errors))
     nearest = [defined[np.abs(lags[defined] / lag - 1.0).argmin()] for lag in (0.1, 1.0) if len(defined)]
-    for at in dict.fromkeys(nearest):
-        yield Quantity(f"msd exponent at {lags[at]:.2g} s", "", float(values[at]), float(errors[at]))
+    for index in dict.fromkeys(nearest):
+        yield Quantity(f"msd exponent at {lags[index]:.2g} s", "", float(values[index]), float(errors[index]))
 
 
 def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
@@ -90,7 +90,7 @@ def landing_numbers(simulated: Simulation) -> Iterator[Quantity]:
     """Yield landings per second for printed text; with many legs only those of all feet."""
     if not simulated.landings:
         return
-    first = 0 if len(simulated.legs) <= MAX_LISTED_LEGS else 3 * len(simulated.legs)
+    first = 0 if len(simulated.legs) <= MAX_LISTED_LEGS else 3 * len(simulated.legs)  # two corners and an edge a leg
     for rate in landing_rates(simulated)[first:]:
         yield rate._replace(key=f"landings {rate.key}")
 
@@ -112,9 +112,9 @@ def landing_rates(simulated: Simulation) -> list[Quantity]:
     time = np.array([landings.duration for landings in simulated.landings])
     counts = np.array([count_landings(landings) for landings in simulated.landings], dtype=float)
     rates = []
-    for at, name in enumerate(landing_names(simulated.legs)):
-        rate = observables.ratio_of_sums(name, counts[:, at], time)
-        kind = step_errors.LANDING_RATE if at < 2 * len(simulated.legs) else step_errors.GROUP_RATE
+    for index, name in enumerate(landing_names(simulated.legs)):
+        rate = observables.ratio_of_sums(name, counts[:, index], time)
+        kind = step_errors.LANDING_RATE if index < 2 * len(simulated.legs) else step_errors.GROUP_RATE
         step = simulated.point.summary.numbers[kind]
         biased = rate._replace(bias=step.bias if step_errors.reason(step) else step.bias * rate.number)
         rates.append(Quantity(name, "per_s", rate.number, step_errors.total_error(biased)))
@@ -161,8 +161,8 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
-    if ends := simulated.point.summary.speed.interval():
-        yield ("this simulation", f"{ends[0]:.1f} to {ends[1]:.1f} mm/s (95 %), from runs and step")
+    if bounds := simulated.point.summary.speed.interval():
+        yield ("this simulation", f"{bounds[0]:.1f} to {bounds[1]:.1f} mm/s (95 %), from runs and step")
     yield "your print", _format_print_bounds(simulated)
 
 
@@ -170,9 +170,9 @@ def _format_print_bounds(simulated: Simulation) -> str:
     """Format the bounds of the speed of a print from its unknown properties, as `predict` computes them."""
     walker = simulated.point.walker
     row = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
-    if (ends := row.speed.interval()) is None:
+    if (bounds := row.speed.interval()) is None:
         return "run `predict`, or add ‹uncertain›"
-    return f"{ends[0]:.1f} to {ends[1]:.1f} mm/s (95 %), from the unknown contact and print"
+    return f"{bounds[0]:.1f} to {bounds[1]:.1f} mm/s (95 %), from the unknown contact and print"
 
 
 def format_orbit_bounds(orbit: Orbit) -> str:

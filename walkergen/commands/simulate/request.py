@@ -95,8 +95,8 @@ class SimulateRequest(request.Request):
         else:
             self.check_unset("has an effect only with ‹error›", "of")
         design = given.design(self.design)
-        own = {"scene.run.seconds": DEFAULT_UNCERTAIN_S} if self.uncertain else {}
-        scene = given.scene(request.choose_scene(self.scene, [design]), own)
+        defaults = {"scene.run.seconds": DEFAULT_UNCERTAIN_S} if self.uncertain else {}
+        scene = given.scene(request.choose_scene(self.scene, [design]), defaults)
         members = given.members(design, self.tilt, self.legs, whole=False)
         if len(members) > 1:
             why = f"works for one walker, but ‹tilt› and ‹legs› give {len(members)}"

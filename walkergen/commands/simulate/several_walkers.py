@@ -46,12 +46,12 @@ def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress)
 
     Raises InputError for a walker that cannot be simulated.
     """
-    whole = [Walker(scene, member, solids.mass_of(member)) for member in members]
-    for walker in whole:
+    all_walkers = [Walker(scene, member, solids.mass_of(member)) for member in members]
+    for walker in all_walkers:
         walker.plan()
     return [
-        find_simplest(walker, part_progress(progress, number, len(whole), names.part_name(walker.design)))
-        for number, walker in enumerate(whole)
+        find_simplest(walker, part_progress(progress, number, len(all_walkers), names.part_name(walker.design)))
+        for number, walker in enumerate(all_walkers)
     ]
 
 
@@ -86,15 +86,17 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
 def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
     """Make the report of simulated walkers. It is partial if Ctrl-C left some out."""
     title = f"{found[0].walker.design.name} on {scene.name}, {quantities.format_drive(scene)}"
-    told = [column_values(row, 95) for row in rows]
+    row_facts = [column_values(row, 95) for row in rows]
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
     note = f"{ORBIT_MARK}: all runs end this way ({' or '.join(kinds)}), without statistical error; 95 % covers prints"
     return Report(
         name="simulate",
         title=title,
-        facts={"rows": told, "partial": len(rows) < len(found)},
+        facts={"rows": row_facts, "partial": len(rows) < len(found)},
         lines=[*([note] if kinds else []), *_format_omissions(found[: len(rows)])],
-        tables=[Table("simulate", [tuple(row.values()) for row in told], [*told[0]], COLUMNS, title, read=rows)]
+        tables=[
+            Table("simulate", [tuple(row.values()) for row in row_facts], [*row_facts[0]], COLUMNS, title, read=rows)
+        ]
         if rows
         else [],
         warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
@@ -119,8 +121,10 @@ def _format_speed(row: Row) -> str:
 
 
 def _format_bounds(row: Row) -> str:
-    ends = row.speed.interval()
-    return f"{formatting.format_fixed(ends[0], 1)} to {formatting.format_fixed(ends[1], 1)}" if ends else "unknown"
+    bounds = row.speed.interval()
+    return (
+        f"{formatting.format_fixed(bounds[0], 1)} to {formatting.format_fixed(bounds[1], 1)}" if bounds else "unknown"
+    )
 
 
 def _format_outcomes(row: Row) -> str:

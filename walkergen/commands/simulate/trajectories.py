@@ -26,9 +26,9 @@ from walkergen.points.trajectory import Trajectory
 
 
 def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:
-    """Pack the centres of walkers: times (s), shape (n,); places (mm), shape (n, 2, k); headings (rad), shape (n, k).
+    """Return a NetCDF file, in the layout of movement, with the centres of k walkers called `names`.
 
-    Values are NaN while a walker is not visible.
+    Shapes: `times` (s) (n,), `places` (x and y, mm) (n, 2, k), `headings` (rad) (n, k); NaN while one is not visible.
     """
     from scipy.io import netcdf_file
 
@@ -42,13 +42,13 @@ def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str
     for name, words in (("space", ("x", "y")), ("keypoint", ("middle",)), ("individual", names)):
         _write_names(file, name, words)
     dimensions = ("time", "space", "keypoint", "individual")
-    for name, own, values in (
+    for name, variable_dimensions, values in (
         ("time", ("time",), times),
         ("position", dimensions, places[:, :, None, :]),
         ("confidence", ("time", *dimensions[2:]), np.where(np.isfinite(places[:, :1]), 1.0, np.nan)),
         ("heading", ("time", "individual"), headings),
     ):
-        file.createVariable(name, "d", own)[:] = values
+        file.createVariable(name, "d", variable_dimensions)[:] = values
     file.variables["position"].unit, file.variables["heading"].unit = "mm", "rad"
     file.flush()
     return stream.getvalue()
@@ -92,10 +92,13 @@ def collect(experiment: Walker, point: Results, progress: Progress) -> Trajector
 
 def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
     """Return trajectories with the columns of `FILM_COLUMNS` before their own; samples are `interval` s apart."""
-    own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
-    film = (np.rint(own["t_s"] / interval), *(own[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")))
-    ours = {name: values for name, values in own.items() if name != "particle"}
-    return Trajectory((*FILM_COLUMNS, *ours), np.column_stack([*film, *ours.values()]))
+    values_by_name = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
+    film = (
+        np.rint(values_by_name["t_s"] / interval),
+        *(values_by_name[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")),
+    )
+    other_columns = {name: values for name, values in values_by_name.items() if name != "particle"}
+    return Trajectory((*FILM_COLUMNS, *other_columns), np.column_stack([*film, *other_columns.values()]))
 
 
 def to_csv(data: TrajectoryData) -> bytes:
@@ -110,14 +113,16 @@ def to_npz(data: TrajectoryData) -> bytes:
 
 def to_xyz(data: TrajectoryData) -> bytes:
     """Write extended XYZ for OVITO: a frame for each time, with the runs that are not over."""
-    own = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
+    values = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
     size = data.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
-    places = np.column_stack([own["x"], own["y"], own["height_mm"]])
-    turns = extended_xyz.to_quaternions(own["theta"], own["pitch_rad"], own["roll_rad"])
+    places = np.column_stack([values["x"], values["y"], values["height_mm"]])
+    rotations = extended_xyz.to_quaternions(values["theta"], values["pitch_rad"], values["roll_rad"])
     box = _bounding_box(places, float(np.linalg.norm(half)))
-    none = np.zeros(len(places), np.int64)
-    bodies = Bodies(own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None])
+    kinds = np.zeros(len(places), np.int64)
+    bodies = Bodies(
+        values["frame"], values["t_s"], values["particle"], ["walker"], kinds, places, rotations, half[None]
+    )
     return extended_xyz.format_frames(bodies, box).encode()
 
 
@@ -133,11 +138,11 @@ def _bounding_box(places: Array, half_diagonal: float) -> str:
 
 def to_nc(data: TrajectoryData) -> bytes:
     """Write NetCDF for xarray and movement: a run is an individual."""
-    own = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
-    frames, at = np.unique(own["frame"], return_inverse=True)
-    names, who = np.unique(own["particle"].astype(np.int64), return_inverse=True)
+    values = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
+    frames, frame_index = np.unique(values["frame"], return_inverse=True)
+    names, run_index = np.unique(values["particle"].astype(np.int64), return_inverse=True)
     table = np.full((len(frames), 4, len(names)), np.nan)
-    table[at, :, who] = np.column_stack([own["t_s"], own["x"], own["y"], own["theta"]])
+    table[frame_index, :, run_index] = np.column_stack([values["t_s"], values["x"], values["y"], values["theta"]])
     times = np.nanmax(table[:, 0], axis=1)
     return pack_poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
 

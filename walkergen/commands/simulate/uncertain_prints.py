@@ -131,8 +131,8 @@ def _draw_panels(spread: PrintScatter, title: str) -> "Figure":
 
     from walkergen.files.figures import PAGE_INCHES, wrap_text
 
-    drawn = Figure(figsize=(PAGE_INCHES, 2.8), layout="constrained")
-    left, right = drawn.subplots(1, 2)
+    figure = Figure(figsize=(PAGE_INCHES, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
     left.hist(spread.speeds, bins="auto", color="#0072B2", alpha=0.6)
     for level, shade, depth in ((95, "0.93", -2), (68, "0.86", -1)):
         left.axvspan(
@@ -141,16 +141,16 @@ def _draw_panels(spread: PrintScatter, title: str) -> "Figure":
     left.axvline(spread.speed.number, color="black", linewidth=1.2, label="mean")
     left.set_xlabel("speed (mm/s)")
     left.set_ylabel("prints")
-    drawn.suptitle(wrap_text(title, PAGE_INCHES - 0.2))
+    figure.suptitle(wrap_text(title, PAGE_INCHES - 0.2))
     left.legend(frameon=True, framealpha=0.9, edgecolor="none", loc="upper left")
     names = [*(share.name for share in spread.shares), UNEXPLAINED]
-    places = np.arange(len(names))[::-1]
+    positions = np.arange(len(names))[::-1]
     error = {"ecolor": "0.3", "capsize": 2, "elinewidth": 0.8}
     first, first_se = np.array([*(share.first.pair for share in spread.shares), spread.unexplained.pair]).T
     total, total_se = np.reshape([share.total.pair for share in spread.shares], (-1, 2)).T
-    right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2", label="alone")
+    right.barh(positions + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2", label="alone")
     right.barh(
-        places[:-1] - 0.2,
+        positions[:-1] - 0.2,
         total,
         0.36,
         xerr=total_se,
@@ -161,8 +161,8 @@ def _draw_panels(spread: PrintScatter, title: str) -> "Figure":
         linewidth=0.0,
         label="with all others",
     )
-    right.set_yticks(places, names)
+    right.set_yticks(positions, names)
     right.set_xlim(left=0.0)
     right.set_xlabel("share of the variance between prints")
     right.legend()
-    return drawn
+    return figure
