@@ -110,7 +110,7 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Displac
     if len(values) > MIN_SAMPLES:
         use = use & (_replicate_errors(values) > 0).all(axis=0)
     if len(values) <= MIN_SAMPLES or use.sum() < 6 or not np.isfinite(turns).all():
-        return DisplacementFit((NO_SPREAD,) * len(values), False, math.nan, math.nan)
+        return DisplacementFit((NO_SPREAD,) * len(values), run=False, misfit=math.nan, p_value=math.nan)
     weights = np.full(len(lag), np.nan)
     lag, values = lag[use], values[:, use]
     errors = np.stack([smooth_errors(lag, error) for error in _replicate_errors(values)])

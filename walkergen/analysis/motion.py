@@ -123,18 +123,18 @@ def analyse(
         )
     if found_walls is not None:
         tracks = walls.add_wall_reach(tracks, found_walls)
-    whole = _analyse_one_speed(tracks, lag_s, found_walls, descent)
+    all_tracks = _analyse_one_speed(tracks, lag_s, found_walls, descent)
     plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
     if len(plates) < 2:
-        return whole
+        return all_tracks
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
     analyses = [_analyse_one_speed(tracks._replace(tracks=group), lag_s, found_walls, descent) for group in groups]
-    speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
+    speeds = [(plate, analysis.estimates["speed"]) for plate, analysis in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: refusal(name, reason) for name in UNITS}
-    return whole._replace(
+    return all_tracks._replace(
         estimates=refused, method=analyses[0].method, msd_fit=None, by_plate_speed=tuple(speeds), line=line
     )
 
@@ -181,11 +181,11 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         tracks.lane,
         headed,
         own_s,
-        False,
-        False,
-        np.where(fitted, msd.se, np.nan),
-        _jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
-        found_walls is not None,
+        memory=False,
+        memory_open=False,
+        square_errors=np.where(fitted, msd.se, np.nan),
+        turn_errors=_jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
+        walls=found_walls is not None,
     )
     frame, numbers = verdicts.choose_memory(all_sums, frame)
     numbers, fit = spread_numbers.add_fit(numbers, all_sums, frame, lags)

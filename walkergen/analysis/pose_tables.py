@@ -78,8 +78,8 @@ def read_deeplabcut(path: Path) -> Source:
         owned.setdefault(person, {})[part] = _mask_unlikely(x, y, likelihood)
     if len(owned) > 1:
         owned.pop("single", None)  # parts of no individual, as corners of a box
-    said = ("frames are numbered by the names of pictures",) if pictures else ()
-    return from_bodies(table, "frame", table.values["frame"], owned, PIXEL_COLUMNS, "DeepLabCut", said)
+    notes = ("frames are numbered by the names of pictures",) if pictures else ()
+    return from_bodies(table, "frame", table.values["frame"], owned, PIXEL_COLUMNS, "DeepLabCut", notes)
 
 
 def from_bodies(

@@ -37,14 +37,14 @@ def from_times(path: Path, table: Columns, name: str) -> Tracks:
 
     x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
     """
-    interval, ticks, off = _sample_ticks(path, table, name)
+    interval, ticks, off_grid = _sample_ticks(path, table, name)
     note = ""
-    if {"frame", "particle"} <= set(table.values) and off.any():
+    if {"frame", "particle"} <= set(table.values) and off_grid.any():
         table, note = _resample_regularly(table)
-        interval, ticks, off = _sample_ticks(path, table, name)
-    if off.any():
+        interval, ticks, off_grid = _sample_ticks(path, table, name)
+    if off_grid.any():
         raise InputError(
-            f"{path}: {name} on line {table.lines[off][0]} lies off the regular times of the "
+            f"{path}: {name} on line {table.lines[off_grid][0]} lies off the regular times of the "
             f"other rows, {interval:g} s apart; sample at a fixed rate"
         )
     tracks = _build_tracks(path, table, np.rint(ticks), interval)

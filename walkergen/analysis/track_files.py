@@ -132,12 +132,12 @@ def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> 
     return tracks._replace(scale_se=_scale_se(path, source.table))
 
 
-def _check_no_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
-    """Raise InputError for units given for a file that states its `own` (column names, for the message)."""
+def _check_no_units(path: Path, source: Source, units: Units, given: _Given, column_names: str) -> None:
+    """Raise InputError for units given for a file whose columns state theirs; `column_names` are for the message."""
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
-            raise InputError(f"‹{field}=›{shown}: {path} has its own {own}; leave out ‹{field}›")
+            raise InputError(f"‹{field}=›{shown}: {path} has its own {column_names}; leave out ‹{field}›")
 
 
 def _check_same_units(path: Path, source: Source, given: _Given) -> None:
@@ -180,12 +180,12 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
 
 
 def _time_clock(
-    path: Path, source: Source, units: Units, seconds: float, said: tuple[str, ...]
+    path: Path, source: Source, units: Units, seconds: float, notes: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
-    """Return `seconds` in a unit of time, True and the notes `said`. Raises InputError if fps is given too."""
+    """Return `seconds` in a unit of time, True and the `notes`. Raises InputError if fps is given too."""
     if units.fps is not None:
         raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave out ‹fps›")
-    return seconds, True, said
+    return seconds, True, notes
 
 
 def _frame_rate(path: Path, source: Source, units: Units) -> float:

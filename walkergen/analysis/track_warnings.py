@@ -111,9 +111,9 @@ def _jump_doubts(tracks: Tracks) -> list[str]:
 
 def _track_steps(track: Track) -> tuple[Whole, Array]:
     """Return the samples at which a walker was seen, and its steps between them, mm per sample."""
-    place = moments.complex_position(track)
-    at = np.flatnonzero(~np.isnan(place))
-    return at, np.abs(np.diff(place[at])) / np.diff(at)
+    position = moments.complex_position(track)
+    samples = np.flatnonzero(~np.isnan(position))
+    return samples, np.abs(np.diff(position[samples])) / np.diff(samples)
 
 
 def _fragment_doubts(tracks: Sequence[Track]) -> list[str]:

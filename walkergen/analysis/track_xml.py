@@ -120,12 +120,12 @@ def _from_tracker(path: Path, root: ElementTree.Element) -> Source:
     for number, track in enumerate(masses):
         for mark in track.findall("property[@name='framedata']/property"):
             away = _read_number(mark.find("object"), "x") + 1j * _read_number(mark.find("object"), "y") - origin
-            place = away.conjugate() / turn  # a picture counts rows downward
-            x, y = place.real / _read_number(axes[0], "xscale"), place.imag / _read_number(axes[0], "yscale")
+            position = away.conjugate() / turn  # a picture counts rows downward
+            x, y = position.real / _read_number(axes[0], "xscale"), position.imag / _read_number(axes[0], "yscale")
             rows.append((float(mark.attrib["name"].strip("[]")), float(number), x, y))
     source = _from_rows(path, rows, range(1, len(rows) + 1), {}, "Tracker", "", second)
-    said = track_columns.format_labels([track.findtext("property[@name='name']", "") for track in masses])
-    return source._replace(y_down=False, said=said if len(masses) > 1 else ())
+    notes = track_columns.format_labels([track.findtext("property[@name='name']", "") for track in masses])
+    return source._replace(y_down=False, said=notes if len(masses) > 1 else ())
 
 
 def _read_number(element: ElementTree.Element | None, name: str) -> float:
@@ -143,12 +143,12 @@ def _model_rows(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:
         spot.attrib["ID"]: tuple(float(spot.attrib[f"{key}"]) for key in ("FRAME", "POSITION_X", "POSITION_Y"))
         for spot in root.iter("Spot")
     }
-    kept = {track.attrib["TRACK_ID"] for track in root.iter("TrackID")}
+    filtered_tracks = {track.attrib["TRACK_ID"] for track in root.iter("TrackID")}
     for track in root.iter("Track"):
         number = track.attrib["TRACK_ID"]
-        if kept and number not in kept:
+        if filtered_tracks and number not in filtered_tracks:
             continue
-        ends = (edge.attrib[key] for edge in track.iter("Edge") for key in ("SPOT_SOURCE_ID", "SPOT_TARGET_ID"))
-        for spot in dict.fromkeys(ends):
+        spot_ids = (edge.attrib[key] for edge in track.iter("Edge") for key in ("SPOT_SOURCE_ID", "SPOT_TARGET_ID"))
+        for spot in dict.fromkeys(spot_ids):
             frame, x, y = spots[spot]
             yield frame, float(number), x, y

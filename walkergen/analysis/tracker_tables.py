@@ -46,9 +46,9 @@ def read_tracker(path: Path, count: int) -> Source:
             f"{path}: {len(wide['x'])} columns x and {len(wide['y'])} columns y: export both of each track"
         )
     keys = [f"{axis} of track {n}" for n in range(len(wide["x"])) for axis in ("x", "y")]
-    places = [at for pair in zip(wide["x"], wide["y"], strict=True) for at in pair]
+    xy_columns = [at for pair in zip(wide["x"], wide["y"], strict=True) for at in pair]
     table = columns.read_numbers(
-        path, [TIME_COLUMN], keys, lines=_csv_lines(path, count, mark, [TIME_COLUMN, *keys], [0, *places])
+        path, [TIME_COLUMN], keys, lines=_csv_lines(path, count, mark, [TIME_COLUMN, *keys], [0, *xy_columns])
     )
     walkers = [(table.values[x], table.values[y]) for x, y in zip(keys[::2], keys[1::2], strict=True)]
     long = track_columns.to_long_table(table, "time", table.values[TIME_COLUMN], walkers, range(len(walkers)))
@@ -57,9 +57,9 @@ def read_tracker(path: Path, count: int) -> Source:
     titles = _split_cells(head[count - 1], mark)
     # With blanks between cells, one title of two words looks like two titles
     called = [titles[at] for at in range(1, len(titles)) if titles[at]] if mark != " " else []
-    said = track_columns.format_labels(called) if len(called) == len(walkers) > 1 else ()
+    notes = track_columns.format_labels(called) if len(called) == len(walkers) > 1 else ()
     named = {"time": NamedColumn(TIME_COLUMN, "s"), "x": NamedColumn("x", ""), "y": NamedColumn("y", "")}
-    return Source(long, named, "Tracker", said=said)
+    return Source(long, named, "Tracker", said=notes)
 
 
 def _csv_lines(
@@ -72,4 +72,4 @@ def _csv_lines(
         if separator != "," and "," in line:
             raise InputError(f"{path}:{at}: a comma seen in {line.strip()[:40]!r}: {columns.SEPARATOR_HINT}")
         cells = _split_cells(line, separator)
-        yield ",".join(cells[place] if place < len(cells) else "" for place in indices if line.strip()) + "\n"
+        yield ",".join(cells[index] if index < len(cells) else "" for index in indices if line.strip()) + "\n"

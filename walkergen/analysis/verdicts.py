@@ -216,8 +216,8 @@ def _unresolved_reasons(
 def _unresolved_persistence(numbers: Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
     """Refuse persistence time and length if the rate of losing direction is too small, or too uncertain."""
     rate = numbers["persistence_rate"].number
-    lost, ends = rate * longest_s > frame.decayed, numbers["persistence_rate"].interval()
-    if lost and ends is not None and ends[0] > 0.0:
+    lost, bounds = rate * longest_s > frame.decayed, numbers["persistence_rate"].interval()
+    if lost and bounds is not None and bounds[0] > 0.0:
         return {}
     reason = f"hardly a loss of direction within {longest_s:.3g} s: {frame.advice}"
     if lost and frame.memory_open:

@@ -52,8 +52,8 @@ class Canvas:
 
     def add_caption(self, x: float, y: float, words: str) -> None:
         """Write a small line that stays inside the picture, in smaller letters if it is long."""
-        room = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL_PT
-        self.text(x, y, words, fontsize=SMALL_PT * min(1.0, room / len(words)))
+        max_letters = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL_PT
+        self.text(x, y, words, fontsize=SMALL_PT * min(1.0, max_letters / len(words)))
 
     def add_moving_artists(self, *artists: Artist) -> None:
         """Draw these artists again in every frame from now on, in the order given."""

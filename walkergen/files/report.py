@@ -48,12 +48,16 @@ def text_column(heading: str, key: str) -> Column:
 
 def number_column(heading: str, key: str, digits: int = 4, wide: bool = False) -> Column:
     """Return a column of a field's numbers to significant digits; None is blank."""
-    return Column(heading, _format_if_known(key, lambda value: formatting.format_number(value, digits)), True, wide)
+    return Column(
+        heading, _format_if_known(key, lambda value: formatting.format_number(value, digits)), right=True, wide=wide
+    )
 
 
 def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Column:
     """Return a column of a field's numbers with this number of decimals; None is blank."""
-    return Column(heading, _format_if_known(key, lambda value: formatting.format_fixed(value, digits)), True, wide)
+    return Column(
+        heading, _format_if_known(key, lambda value: formatting.format_fixed(value, digits)), right=True, wide=wide
+    )
 
 
 def _format_if_known(key: str, format_number: Callable[[float], str]) -> Callable[[Any], str]:

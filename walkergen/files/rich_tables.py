@@ -91,8 +91,8 @@ def _column_widths(sizes: Sequence[Sizes], width: int) -> list[int]:
     widths = [size.least for size in sizes]
     remaining = width - sum(widths)
     order = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)
-    for place, index in enumerate(order):
-        added = min(sizes[index].natural - sizes[index].least, remaining // (len(order) - place))
+    for done, index in enumerate(order):
+        added = min(sizes[index].natural - sizes[index].least, remaining // (len(order) - done))
         widths[index] += max(added, 0)
         remaining -= max(added, 0)
     return widths

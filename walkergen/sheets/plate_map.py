@@ -118,9 +118,9 @@ def _map_area(axes: Axes, printer: Printer) -> Bbox:
     points = np.concatenate([np.asarray(outline, float) for outline in outlines])
     margin = MARGIN_SHARE * bed.max()
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    room = np.maximum(high - low, MIN_ASPECT * (high - low).max())
-    low = np.clip(0.5 * (low + high - room), 0.0, np.maximum(bed - room, 0.0))
-    high = np.minimum(low + room, bed)
+    size = np.maximum(high - low, MIN_ASPECT * (high - low).max())
+    low = np.clip(0.5 * (low + high - size), 0.0, np.maximum(bed - size, 0.0))
+    high = np.minimum(low + size, bed)
     if (high - low).prod() > FULL_BED_SHARE * bed.prod():
         low, high = -0.01 * bed, 1.01 * bed
     return Bbox([low, high])

@@ -128,8 +128,8 @@ def _draw_floor(axes: Axes, shown: FigureData) -> None:
     """Shade the errors below the uncertainty of the reference."""
     axes.axhspan(axes.get_ylim()[0], shown.floor, color=PALE, linewidth=0, zorder=0)
     text = f"below the error of the reference, {100 * shown.floor:.2g} %"
-    place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": MIN_FONT_PT, "color": GREY}
-    axes.text(0.01, 0.015, text, **place)  # type: ignore[arg-type]
+    text_style = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": MIN_FONT_PT, "color": GREY}
+    axes.text(0.01, 0.015, text, **text_style)  # type: ignore[arg-type]
 
 
 def _set_limits(axes: Axes, times: Sequence[float], errors: Sequence[float], floor: float) -> None:

@@ -50,8 +50,8 @@ def study(design: Design, scene: Scene, budget_s: float | None, folder: Path, pr
     with Folder(folder) as target:
         target.claim()
         if survey is not None:
-            for place, measure in enumerate(LADDERS):
-                ladders.append(measure(survey, part_progress(progress, place, len(LADDERS))))
+            for index, measure in enumerate(LADDERS):
+                ladders.append(measure(survey, part_progress(progress, index, len(LADDERS))))
                 write(None, survey)
             found = answers.answer_from_survey(survey, title, progress)
         made = write(found, survey)

@@ -125,9 +125,9 @@ class Survey:
 
     def measure(self, steps: Sequence[float], progress: Progress) -> list[StepMeasurement]:
         """Measure the steps that are not measured yet, and return all of them in order."""
-        for place, step_us in enumerate(steps):
+        for index, step_us in enumerate(steps):
             if step_us not in self.measured:
-                self.measured[step_us] = self._measure_step(step_us, part_progress(progress, place, len(steps)))
+                self.measured[step_us] = self._measure_step(step_us, part_progress(progress, index, len(steps)))
         return [self.measured[step_us] for step_us in steps]
 
     def measure_reference(self, progress: Progress) -> StepMeasurement:

@@ -49,6 +49,6 @@ class ExplainRequest(request.Request):
         given = self.inputs()
         design = given.single_member(self.design, self.tilt, self.legs)
         scene = given.scene(request.choose_scene(self.scene, [design]))
-        place = Path("out") / "explain" / f"{design.name}_{names.tilt_name(design)}_{design.kind}_{scene.name}"
-        folder = self.output_folder(place) if self.measure else self.out
+        default_folder = Path("out") / "explain" / f"{design.name}_{names.tilt_name(design)}_{design.kind}_{scene.name}"
+        folder = self.output_folder(default_folder) if self.measure else self.out
         return make.explain(scene, design, progress, self.cost, self.measure, self.all, folder)

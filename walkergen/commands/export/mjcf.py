@@ -86,7 +86,7 @@ def linear_springs(plan: Plan) -> Array:
 
 def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
     """Prepare the 3D simulation of a walker without leg twist. Raises InputError for effects that MJCF lacks."""
-    effects = scene.effects.force("leg_twist", False)
+    effects = scene.effects.force("leg_twist", state=False)
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
     if not resolved.is_on(turning.NAME):
@@ -95,7 +95,7 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
         )
     for effect in resolved.effects:
         if effect.on and effect.switch and effect.name not in SUPPORTED_EFFECTS:
-            away = f"‹set› 'scene.{forced_effect_line(effect.switch, False)}'"
+            away = f"‹set› 'scene.{forced_effect_line(effect.switch, on=False)}'"
             raise InputError(f"{effect.name} ({effect.reason}): MJCF does not support it. To leave it out, add {away}")
     return plan
 

@@ -148,8 +148,8 @@ def _check_forty_legs() -> Iterator[Check]:
     ]
     plan = _plan(_design(legs))
     state = plan.initial_state(clearance=0.0, pitch=0.0, phase=0.0)
-    off = float(np.abs(plan.feet(state)[:, 1]).max())
-    yield Check("heights of forty feet that stand, mm", off, 1e-9, "rounding of a mesh's masses")
+    deviation = float(np.abs(plan.feet(state)[:, 1]).max())
+    yield Check("heights of forty feet that stand, mm", deviation, 1e-9, "rounding of a mesh's masses")
     yield from check_space_motion(plan, moving_start(plan), 4e-3, "forty legs", ENERGY_LIMIT)
 
 

@@ -53,8 +53,8 @@ def polygon_deficit(design: Design, segments: int) -> Shape:
     if design.limbs[0].foot != "round":
         return Shape(0.0, 0.0, 0.0, 0.0)
     r = 0.5 * design.limbs[0].thickness
-    area, off = math.pi**3 * r**2 / (12.0 * segments**2), 2.0 * r / math.pi
-    return Shape(area, *_to_walker_axes(design, design.limbs[0].length - r + off, 0.0), area * (r**2 - off**2))
+    area, offset = math.pi**3 * r**2 / (12.0 * segments**2), 2.0 * r / math.pi
+    return Shape(area, *_to_walker_axes(design, design.limbs[0].length - r + offset, 0.0), area * (r**2 - offset**2))
 
 
 def subtract_part(whole: Shape, part: Shape) -> Shape:

@@ -91,8 +91,8 @@ def _check_sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterat
         yield _check_relative(f"{name}: leg's volume", limb.volume, depth * shape.area, limit, reason)
         # The missing part is at the leg's end: it counts up to 4 times its share in j.
         yield _check_relative(f"{name}: leg's inertia", limb.inertia, depth * shape.second, 4.0 * limit, reason)
-        off = math.hypot(limb.centre[0] - shape.x, limb.centre[1] - shape.y)
-        yield Check(f"{name}: leg's centre", off / design.limbs[0].length, limit, reason)
+        deviation = math.hypot(limb.centre[0] - shape.x, limb.centre[1] - shape.y)
+        yield Check(f"{name}: leg's centre", deviation / design.limbs[0].length, limit, reason)
 
 
 def _check_all_sound(designs: Iterator[Design]) -> Iterator[Check]:
@@ -246,8 +246,8 @@ def _check_far_origin() -> Iterator[Check]:
             what = f"{part} x {scale:g}"
             yield _check_relative(f"{what}: volume", there.volume, here.volume, 1e-9, reason)
             yield _check_relative(f"{what}: inertia", there.inertia, here.inertia, 1e-9, reason)
-            off = float(np.abs(there.centre - shift - here.centre).max()) / scale
-            yield Check(f"{what}: centre, mm / {scale:g}", off, 1e-9, reason)
+            deviation = float(np.abs(there.centre - shift - here.centre).max()) / scale
+            yield Check(f"{what}: centre, mm / {scale:g}", deviation, 1e-9, reason)
 
 
 def _check_round_feet() -> Iterator[Check]:
@@ -275,8 +275,8 @@ def _check_mirror_image() -> Iterator[Check]:
         name = _name(pair[0])
         yield _check_relative(f"{name}: mirrored volume", right.volume, left.volume, 1e-12, ROUNDING_REASON)
         yield _check_relative(f"{name}: mirrored inertia", right.inertia, left.inertia, 1e-12, ROUNDING_REASON)
-        off = abs(right.centre[0] + left.centre[0]) / 28.0
-        yield Check(f"{name}: mirrored centre", off, 1e-13, ROUNDING_REASON)
+        deviation = abs(right.centre[0] + left.centre[0]) / 28.0
+        yield Check(f"{name}: mirrored centre", deviation, 1e-13, ROUNDING_REASON)
 
 
 CASES: tuple[Case, ...] = tuple(

@@ -44,8 +44,8 @@ def _check_slivers() -> Iterator[Check]:
     yield Check("inertia about its axis, relative", along, 1e-12, reason)
     across = 0.5 * second * height + area * height**3 / 12.0
     yield Check("inertia across it, relative", abs(float(weighed.tensor[0, 0]) / across - 1.0), 1e-12, reason)
-    off = float(np.abs(weighed.centre - (0.0, 0.0, 0.5 * height)).max())
-    yield Check("centre, mm", off, 1e-12 * radius, reason)
+    deviation = float(np.abs(weighed.centre - (0.0, 0.0, 0.5 * height)).max())
+    yield Check("centre, mm", deviation, 1e-12 * radius, reason)
 
 
 def _box(size: tuple[float, float, float], middle: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:
@@ -97,8 +97,8 @@ def _check_coincident_faces() -> Iterator[Check]:
         yield check_fact(f"{name}: closed", len(pairs) == len(edges) and all((j, i) in pairs for i, j in pairs))
         faults.check_solid(union, name)  # crossings too
         weighed = mass.weigh(union, 1.0)
-        off = abs(weighed.volume / (volume * math.prod(size)) - 1.0)
-        yield Check(f"{name}: volume, relative", off, 1e-12, "rounding of the boxes' corners")
+        deviation = abs(weighed.volume / (volume * math.prod(size)) - 1.0)
+        yield Check(f"{name}: volume, relative", deviation, 1e-12, "rounding of the boxes' corners")
 
 
 CASES = [

@@ -159,9 +159,8 @@ def _check_frozen_joints() -> Iterator[Check]:
     with_joints = prepare(scene, stiff, masses(stiff))
     case = with_joints.case._replace(mass=to_rigid(masses(stiff)))
     rigid_walker, _ = make_walker(case, with_joints.resolved)
-    rigid_walker = rigid_walker._replace(
-        damper=with_joints.world.walker.damper
-    )  # given for a corner of its own leg's mass
+    # Dampers are given for corners with their own legs' masses
+    rigid_walker = rigid_walker._replace(damper=with_joints.world.walker.damper)
     without_joints = with_joints._replace(world=with_joints.world._replace(walker=rigid_walker))
     walker = with_joints.world.walker
     frozen = mobility(walker._replace(hinge_mobility=0.0 * walker.hinge_mobility))

@@ -127,9 +127,12 @@ def _check_heading_turns() -> Iterator[Check]:
             advance(plan, each, COMPARISON_S)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         counted[HEADING] -= turns
-        off = abs(float(counted[HEADING] - state[HEADING]))
+        deviation = abs(float(counted[HEADING] - state[HEADING]))
         yield Check(
-            f"{title}: heading after {COMPARISON_S:g} s, rad", off, 1e-8, "rounding of a million turns, in each frame"
+            f"{title}: heading after {COMPARISON_S:g} s, rad",
+            deviation,
+            1e-8,
+            "rounding of a million turns, in each frame",
         )
         counted[HEADING] = state[HEADING]
         reason = "the heading's rounding, 1e-9 rad, turns what feet hold on to; chaos makes 1 % of it in 0.1 s"
@@ -151,8 +154,10 @@ def _check_far_origin() -> Iterator[Check]:
         for each in (state, far):
             advance(plan, each, 0.02)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
-        off = float(np.abs(far[[SHOWN_X, C_X]] - 2.0**30 - state[[SHOWN_X, C_X]]).max())
-        yield Check(f"{title}: way in 0.02 s, mm", off, 1e-3, "rounding of 1e9 mm, 1.2e-7 mm, in each of 2000 steps")
+        deviation = float(np.abs(far[[SHOWN_X, C_X]] - 2.0**30 - state[[SHOWN_X, C_X]]).max())
+        yield Check(
+            f"{title}: way in 0.02 s, mm", deviation, 1e-3, "rounding of 1e9 mm, 1.2e-7 mm, in each of 2000 steps"
+        )
         far[[SHOWN_X, C_X]] = state[[SHOWN_X, C_X]]
         yield check_fact(f"{title}: all else to the bit", bool(np.array_equal(far, state)))
 
@@ -180,8 +185,8 @@ def _check_scaling() -> Iterator[Check]:
             start = state
             yield check_fact("it runs and lands", outcome is Outcome.OK and tally.counts[record.IMPACTS] > 25)
         else:
-            off = float(np.abs(state - start).max())
-            yield Check(f"lengths x 4^{power}: state after 0.25 s x 2^{power}", off, 0.0, "exact: powers of two")
+            deviation = float(np.abs(state - start).max())
+            yield Check(f"lengths x 4^{power}: state after 0.25 s x 2^{power}", deviation, 0.0, "exact: powers of two")
 
 
 def _check_upright_walker() -> Iterator[Check]:
