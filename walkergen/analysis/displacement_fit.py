@@ -214,7 +214,7 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, with_run: bo
 def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None) -> Spread:
     """Fit a run that begins smoothly, by inertia, and noise by least squares.
 
-    `start`: rates (1/s) of losing direction and of the beginning; None: the best of a grid.
+    `start`: rates (1/s) of losing direction and of gaining speed at the beginning; None: the best of a grid.
     """
     from scipy.optimize import minimize
 

@@ -260,7 +260,7 @@ def _effective_freedom(parts: Sequence[Moments], lag_index: int) -> float:
 
 
 def _level_headings(tracks: Tracks, estimates: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
-    """Return the tracks with headings as on a level plate, if the turning by the slope is known."""
+    """Return the tracks with headings as on a level plate; unchanged if the turning by the slope is unknown."""
     rate = estimates["slope_turning"].value
     if descent is None or rate is None:
         return tracks.tracks
@@ -297,8 +297,8 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
     if reach:  # walls end the pairs that are free, not the tracks
         max_square_lag = min(max_square_lag, max(_longest_free_lag(reach, 1 if headed else 2 * step + 1), 1))
         max_turn_lag = min(max_turn_lag, max_square_lag - (0 if headed else step))
-    turns = np.zeros(0, np.int64) if tracks.lane else lag_sums.log_spaced_lags(max_turn_lag, 32, first)
-    squares = lag_sums.log_spaced_lags(max_square_lag, 64)
+    turns = np.zeros(0, np.int64) if tracks.lane else lag_sums.log_spaced_lags(max_turn_lag, count=32, shortest=first)
+    squares = lag_sums.log_spaced_lags(max_square_lag, count=64)
     return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
 
 

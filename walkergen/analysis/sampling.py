@@ -194,7 +194,7 @@ def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> 
 def _build_track(
     path: Path, particle: int, rows: Whole, samples: Array, position: Array, heading: Array | None, plate_speeds: Array
 ) -> Track:
-    """Build the track of a particle: `rows` are its indices in the other arrays (mm, rad, mm/s), at these `samples`."""
+    """Build a particle's track from its `rows` in the other arrays (mm, rad, mm/s), at `samples` of a regular grid."""
     index = samples.astype(np.int64)
     grid = np.full((int(index[-1]) + 1, position.shape[1]), np.nan)
     grid[index] = position[rows]

@@ -94,7 +94,7 @@ def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
 
 
 def _check_positive(path: Path, table: columns.Columns, name: str) -> None:
-    """Raise InputError for the first number of a column that is 0 or below; NaN is allowed."""
+    """Raise InputError for the first number of a column below MIN_VALUE_MM_S, such as 0; NaN is allowed."""
     if name in table.values and (too_small := table.values[name] < MIN_VALUE_MM_S).any():
         first = int(np.argmax(too_small))
         raise InputError(

@@ -122,7 +122,7 @@ def _parse_units(text: str) -> _Given:
 
 
 def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
-    """Read a file that walkergen wrote: on the plate, with a heading, or in a plane with y_mm as the height."""
+    """Read a file that walkergen wrote: of a walker seen from above, with a heading, or of one in a lane."""
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"

@@ -122,9 +122,9 @@ def scatter(turnings: Sequence[Turning]) -> Quantity:
         reason = f"{len(turnings)} walkers with several pieces of a track; at least 2"
         return refusal("turning_scatter", reason)
     rates, seconds = np.array([(turning.rate, turning.seconds) for turning in turnings]).T
-    inside = _degrees_of_freedom(turnings)
-    noise = _sum_squares(turnings) / inside * float((1.0 / seconds).mean())
-    return particle_scatter.walker_scatter("turning_scatter", rates, noise, inside)
+    freedom = _degrees_of_freedom(turnings)
+    noise = _sum_squares(turnings) / freedom * float((1.0 / seconds).mean())
+    return particle_scatter.walker_scatter("turning_scatter", rates, noise, freedom)
 
 
 def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -> Quantity:

@@ -192,7 +192,7 @@ def _meaningless_reasons(frame: Frame) -> dict[str, str]:
 def _unresolved_reasons(
     numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
 ) -> dict[str, str]:
-    """Refuse roots of numbers, and quotients by numbers, that may be zero: no error holds."""
+    """Refuse roots of numbers, and quotients by numbers, that may be zero, because their errors mean nothing."""
     if frame.lane or fitted is None:
         reason = "the spread about the mean run is too small to tell"
         return {} if is_resolved(numbers["diffusivity"]) else {"crossover_time": reason}

@@ -39,7 +39,7 @@ class Bodies(NamedTuple):
 
 
 def format_frames(bodies: Bodies, box: str) -> str:
-    """Format the file: a frame for each number, bodies in the order of their numbers; `box` from `format_box`."""
+    """Return the text of a file: a frame for each frame number, bodies sorted by number; `box` from `format_box`."""
     half_axes = [" ".join(f"{value:.9g}" for value in axes) for axes in bodies.halves]
     lines = [f"{name} %d{' %.9g' * 7} {axes_text}\n" for name, axes_text in zip(bodies.kinds, half_axes, strict=True)]
     table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])

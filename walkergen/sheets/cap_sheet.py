@@ -41,7 +41,7 @@ def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
 
 @figures.style({})
 def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
-    """Return one page; `grid` is the side of a tile, mm, and the number of tiles in a row."""
+    """Return page `number` (from 1) of `count`; `grid`: side of a tile, mm, and number of tiles in a row."""
     width, height = PAGE_MM
     side, across = grid
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))

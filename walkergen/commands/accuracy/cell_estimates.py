@@ -123,7 +123,10 @@ def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
 
 
 def _estimate_from_cells(plan: Plan) -> Estimate:
-    """Estimate speed, scatter and cost of a plan from the cells, without a simulation."""
+    """Estimate speed, scatter and cost of a 3D simulation from the cells, without running it.
+
+    In functions of `steps`, these are a cell's rows by relative step: 1.0 is the step that resolves the feet.
+    """
     scene, design = plan.scene, plan.case.design
     all_rows, scene_name = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution

@@ -106,7 +106,7 @@ def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope
     between = math.sqrt(max(excess / weight_scale, 0.0)) if freedom else 0.0
     weights = 1.0 / (se**2 + between**2)
     mean = float(np.sum(weights * share) / np.sum(weights))
-    misfit = sum(line[2] for line in lines) / max(sum(line[3] for line in lines), 1)
+    misfit = sum(line[2] for line in lines) / max(sum(line[3] for line in lines), 1)  # chi-square over freedom
     return Slope(power, Quantity("bias", "", mean, float(np.sum(weights) ** -0.5)), between, misfit)
 
 

@@ -148,9 +148,9 @@ def _is_within(walker: Walker, measured: EffectChanges, change: Change, share: f
 def _select_omissions(
     walker: Walker, candidates: Sequence[Variant], measured: EffectChanges
 ) -> tuple[list[Variant], float]:
-    """Return variants that save time and change the speed by less than a share, and this share.
+    """Return variants that save time and change the speed by less than one of ADVICE_LEVELS, and this level.
 
-    If some of them set no key of the scene, only the fastest of these is returned.
+    If some of them set no key of the scene, only the fastest of these is returned. Without any: [] and 0.
     """
     for level in ADVICE_LEVELS:
         fitting = [

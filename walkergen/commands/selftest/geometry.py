@@ -163,7 +163,7 @@ def _check_flush_leg() -> Iterator[Check]:
     """Check a leg whose side lies in the body's end face: built at the limit, refused an ulp beyond."""
     for kind, foot in itertools.product(KINDS, FEET):
         design = _design(kind=kind, foot=foot, tilt_deg=0.0)
-        flush = 13.0 + design.limbs[0].thickness
+        flush = 13.0 + design.limbs[0].thickness  # 13 mm between the contacts
         yield from _check_sound(_design({"length_mm": flush}, kind=kind, foot=foot, tilt_deg=0.0))
         short = {"length_mm": math.nextafter(flush, 0.0)}
         legs: dict[str, Any] = {"kind": kind, "foot": foot, "tilt_deg": 0.0}

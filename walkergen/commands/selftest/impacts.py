@@ -130,7 +130,7 @@ def _check_singular_tensor() -> Iterator[Check]:
         xx, xy, yy = (Fraction(entry) for entry in H)
         true = float(xx * yy - xy * xy)
         det = max(det, abs(determinant(*H) / true - 1))
-        out = resolve(H, (0.1, -1.0), 0.0, 1e15)
+        out = resolve(H, (0.1, -1.0), 0.0, 1e15)  # restitution 0; friction has no limit
         left_x = 0.1 + float(xx * Fraction(out.F_x) + xy * Fraction(out.F_y))
         left_y = -1.0 + float(xy * Fraction(out.F_x) + yy * Fraction(out.F_y))
         worst = max(worst, math.hypot(left_x, left_y) / (abs(out.F_y) * x))

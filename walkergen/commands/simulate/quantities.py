@@ -157,7 +157,7 @@ def format_step_error(simulated: Simulation) -> str:
 
 
 def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
-    """Yield the summary row with the bounds of the mean speed, or of prints if the runs share an orbit."""
+    """Yield summary rows with the bounds of the mean speed and of a print; of prints alone if runs share an orbit."""
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
