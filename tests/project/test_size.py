@@ -29,7 +29,7 @@ LIMITS = {
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2240,
     "walkergen/guests/track": 3600,
-    "walkergen/points": 3060,
+    "walkergen/points": 3070,
     "walkergen/readers": 5440,
     "walkergen/sheets": 540,
     "benchmarks": 2760,

@@ -45,6 +45,7 @@ def make_function(name: str) -> Callable[..., Any]:
     request, signature = load_request(name), make_signature(name)
 
     def call(*args: Any, **kwargs: Any) -> Any:
+        """Run the command's job with these arguments. Return its report, with texts spelled for Python."""
         values = signature.bind(*args, **kwargs).arguments
         progress = values.pop("progress", None)
         from walkergen.core.files.progress import silent
@@ -57,7 +58,7 @@ def make_function(name: str) -> Callable[..., Any]:
     call.__module__ = "walkergen"
     call.__doc__ = make_docstring(name)
     call.__signature__ = signature  # type: ignore[attr-defined]
-    call.__annotations__ = {own.name: own.annotation for own in signature.parameters.values()}
+    call.__annotations__ = {each.name: each.annotation for each in signature.parameters.values()}
     return call
 
 
@@ -93,7 +94,7 @@ def _name_arguments(request: "type[Request]", text: str) -> str:
     from walkergen.request import flag_name
 
     arguments = {flag_name(request, field): f"`{field}`" for field in request.model_fields}
-    arguments |= {f"{flag[:2]}no-{flag[2:]}": f"`{field[1:-1]}=False`" for flag, field in arguments.items()}
+    arguments |= {f"{flag[:2]}no-{flag[2:]}": f"`{field[1:-1]}=False`" for flag, field in arguments.items()}  # --no-x
     return re.sub(r"`[^`]*`|--[a-z][a-z-]*", lambda found: arguments.get(found[0], found[0]), text)
 
 
@@ -110,9 +111,9 @@ def make_signature(name: str) -> Signature:
     names = [*first, *(field for field in fields if field not in first)]
     parameters = []
     for field in names:
-        own = fields[field]
+        info = fields[field]
         kind = Parameter.POSITIONAL_OR_KEYWORD if field in first else Parameter.KEYWORD_ONLY
-        default = Parameter.empty if own.is_required() else own.get_default()
+        default = Parameter.empty if info.is_required() else info.get_default()
         parameters.append(Parameter(field, kind, default=default, annotation=_field_type(request, field)))
     progress = Parameter("progress", Parameter.KEYWORD_ONLY, default=None, annotation="Progress | None")
     return Signature([*parameters, progress], return_annotation=request.run.__annotations__["return"])

@@ -109,7 +109,7 @@ def _find_kind(name: str | Path) -> str:
 
 
 def _kinds_by_keys(path: Path) -> list[str]:
-    """Return the kinds ("walker", ...) that have the most of a TOML file's keys. Raises InputError."""
+    """Return the kinds ("walker", ...) that accept the largest number of a TOML file's keys. Raises InputError."""
     if Design.data_from_file(path) is not None:
         return ["walker"]
     data, _ = config.read_toml(path)

@@ -36,8 +36,8 @@ def _rows(design: Design) -> Iterator[tuple[str, str]]:
     yield "tilt (deg)", f"{design.tilt_deg:g}"
     yield "body (mm)", f"{size.length:g} x {size.depth:g} x {size.thickness:g}"
     for name, part in design.parts.items():
-        own = part.cylinder
-        yield name, f"{2.0 * own.radius:g} x {own.height:g} mm, {own.mass:g} g"
+        cylinder = part.cylinder
+        yield name, f"{2.0 * cylinder.radius:g} x {cylinder.height:g} mm, {cylinder.mass:g} g"
     material = design.material
     constants = f"{material.density_g_cm3:g} g/cm³, {material.youngs_modulus_gpa:g} GPa"
     yield "material", constants

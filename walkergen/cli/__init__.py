@@ -34,7 +34,7 @@ class Root(Group):
     @cached_property
     def sentences(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
         """Heading in the help and summary of every command, by its name."""
-        return {name: (own.heading, command_builder.command_summary(name)) for name, own in COMMANDS.items()}
+        return {name: (entry.heading, command_builder.command_summary(name)) for name, entry in COMMANDS.items()}
 
 
 command_line = typer.Typer(

@@ -145,14 +145,15 @@ def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
     """Build the function that typer calls for a command. Its parameters are the fields of the request class."""
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
+        """Run the request with these values by field. `json`, `quiet`: how to print its report."""
         given = {field: value for field, value in values.items() if value not in (None, [])}
         with use_spelling(request.to_flags):
             _run_request(name, request.from_values(given, shell=True), json, quiet)
 
     parameters = [_parameter(request, field) for field in request.model_fields]
     parameters += [
-        Parameter(own, Parameter.KEYWORD_ONLY, default=False, annotation=kind)
-        for own, kind in (("json", AsJson), ("quiet", Quiet))
+        Parameter(option, Parameter.KEYWORD_ONLY, default=False, annotation=kind)
+        for option, kind in (("json", AsJson), ("quiet", Quiet))
         if request.reports
     ]
     command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]

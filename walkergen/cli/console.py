@@ -147,14 +147,15 @@ def progress(
 def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     """Print a progress line at intervals in a thread. Yields the progress callback of the job."""
     ended = threading.Event()
-    state: list[tuple[str, int, int]] = []
+    latest: list[tuple[str, int, int]] = []  # arguments of the last `update`; empty before
 
     def print_lines() -> None:
+        """Print a line every NEXT_LINE_S until the job has ended."""
         pause = FIRST_LINE_S
         while not ended.wait(pause):
-            if state:
+            if latest:
                 pause = NEXT_LINE_S
-                what, done, total = state[0]
+                what, done, total = latest[0]
                 part = f"{done} %" if total == 100 else f"{done} of {total}"
                 share = f", {part}" if done else ""
                 try:
@@ -166,7 +167,7 @@ def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
                     return
 
     def update(what: str, done: int, total: int) -> None:
-        state[:] = [(what, done, total)]
+        latest[:] = [(what, done, total)]
         clock.record(done, total)
 
     thread = threading.Thread(target=print_lines, daemon=True)
@@ -186,12 +187,12 @@ def _format_duration(seconds: float) -> str:
 def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     """Show a progress bar from the first report of a job on. Yields the progress callback of the job."""
     with ExitStack() as stack:
-        shown: list[Callable[[str, int, int], None]] = []
+        bar_updates: list[Callable[[str, int, int], None]] = []  # function of the bar; empty before the first report
 
         def update(what: str, done: int, total: int) -> None:
-            if not shown:
-                shown.append(_start_bar(clock, stack))
-            shown[0](what, done, total)
+            if not bar_updates:
+                bar_updates.append(_start_bar(clock, stack))
+            bar_updates[0](what, done, total)
 
         yield update
 

@@ -78,6 +78,7 @@ def catch_interrupts() -> threading.Event:
     unraisable_hook, except_hook, lost = sys.unraisablehook, sys.excepthook, threading.Event()
 
     def interrupt_again() -> None:
+        """Set `lost`, and interrupt the main thread again a moment later."""
         lost.set()
         ready = threading.Event()
         threading.Thread(target=_interrupt_after, args=(ready,), daemon=True).start()

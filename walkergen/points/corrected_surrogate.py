@@ -2,6 +2,7 @@
 
 On the scale of its networks the surrogate has nearly the same error for all prints of a walker. So runs of the walker
 as designed give the error, and prints need no runs. The networks' difference between walker and print remains.
+That scale is asinh(speed / (LINEAR_BELOW * plate's peak speed)). Records have the keys of `short_simulation`.
 """
 
 import math
@@ -48,13 +49,13 @@ MAX_FALL_CHANCE = 0.25
 
 
 class ToGoal(NamedTuple):
-    """Runs until the error of the speed as designed is within the surrogate's goal."""
+    """Rule that adds runs until the error of the speed as designed is within the surrogate's goal."""
 
     known: Known
     first: int = FIRST_RUNS
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return a measurement with half as many runs more; None if finished."""
+        """Return a measurement with RUN_GROWTH times as many runs; None if the goal or MAX_RUNS is reached."""
         nominal = combine(self.known, measured.records)
         if nominal is None or measured.runs >= MAX_RUNS:
             return None
@@ -65,37 +66,43 @@ class ToGoal(NamedTuple):
 
 
 def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record | None:
-    """Return the numbers of `points.short_simulation` by the corrected surrogate; None if it is too unsure."""
+    """Return the record of a walker's speeds, mm/s, from the surrogate and a few runs; None if it is too unsure.
+
+    `known`: the walker with the surrogate's numbers; None outside the surrogate's domain.
+    """
     if known is None or not _can_correct(known):
         return None
-    few = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
-    measured = measure(few, ToGoal(known), progress)
+    short_walker = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
+    measured = measure(short_walker, ToGoal(known), progress)
     if measured.partial:
         raise KeyboardInterrupt
     by_step, nominal = measured.quantities[SPEED].bias, combine(known, measured.records)
     if nominal is None or not math.isfinite(by_step):
         return None
     speed, se = known.to_mm_s(nominal)
-    half = math.hypot(NORMAL_95 * se, by_step)
+    half_width = math.hypot(NORMAL_95 * se, by_step)
     falls = sum(record.outcome is Outcome.TOPPLED for record in measured.records) / measured.runs
     record: Record = {"by": "corrected", "falls": falls, "left_out": None, "nominal": speed}
-    return record | {"low": speed - half, "high": speed + half} | _print_spread(known, nominal, by_step)
+    return record | {"low": speed - half_width, "high": speed + half_width} | _print_spread(known, nominal, by_step)
 
 
 def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
-    """Combine surrogate and runs to the designed speed; None with too few good runs, or if both differ too much."""
+    """Return the speed as designed from surrogate and runs, weighted by their errors, on the networks' scale.
+
+    Return None if too few runs ended well, or if surrogate and runs differ too much.
+    """
     mean = ensemble.mean_speed([record for record in records if record.outcome in ENDED_WELL])
-    ends = mean.interval()
-    if ends is None:
+    bounds = mean.interval()
+    if bounds is None:
         return None
     scale = LINEAR_BELOW * known.peak_speed
-    low, high, seen = (math.asinh(speed / scale) for speed in (*ends, mean.number))
+    low, high, measured = (math.asinh(speed / scale) for speed in (*bounds, mean.number))
     noise = math.hypot((high - low) / (2.0 * NORMAL_95), MIN_RUN_ERROR)
-    alone = known.speeds_at(known.place)
-    if np.any(np.abs(seen - alone.centre) > MAX_DEVIATIONS * np.hypot(alone.error, noise)):
+    prior = known.speeds_at(known.place)
+    if np.any(np.abs(measured - prior.centre) > MAX_DEVIATIONS * np.hypot(prior.error, noise)):
         return None
-    part = alone.error**2 / (alone.error**2 + noise**2)
-    return alone._replace(centre=alone.centre + part * (seen - alone.centre), error=np.sqrt(part) * noise)
+    part = prior.error**2 / (prior.error**2 + noise**2)
+    return prior._replace(centre=prior.centre + part * (measured - prior.centre), error=np.sqrt(part) * noise)
 
 
 def _can_correct(known: Known) -> bool:
@@ -104,9 +111,9 @@ def _can_correct(known: Known) -> bool:
     On a plane that slopes a walker turns downhill; below 1 g some prints stand and others bounce. Runs that leave
     effects out are not those of the surrogate.
     """
-    scene, alone = known.scene, known.speeds_at(known.place)
+    scene, predicted = known.scene, known.speeds_at(known.place)
     unsteady = scene.drive.peak_gamma < 1.0 or (scene.arena.kind == "plane" and scene.plate.slope_deg != 0.0)
-    sure = bool(alone.error[0] <= MAX_SURROGATE_ERROR and alone.falls[0] <= MAX_FALL_CHANCE)
+    sure = bool(predicted.error[0] <= MAX_SURROGATE_ERROR and predicted.falls[0] <= MAX_FALL_CHANCE)
     return sure and not unsteady and scene.run.accepted_error is None
 
 
@@ -117,12 +124,15 @@ def _settling_s(known: Known) -> float:
 
 
 def _print_spread(known: Known, nominal: Speeds, by_step: float) -> Record:
-    """Return median, scatter and bounds over prints, mm/s, from draws of the surrogate, shifted like the walker."""
-    drawn, alone = prediction.sample_prediction_inputs(known.scene, known.design), known.speeds_at(known.place)
+    """Return median, scatter and bounds over prints, mm/s: the surrogate's, shifted by the correction for the design.
+
+    `nominal`: corrected speed as designed. `by_step`: error by the time step (95 %), mm/s.
+    """
+    drawn, predicted = prediction.sample_prediction_inputs(known.scene, known.design), known.speeds_at(known.place)
     speeds = known.sample_speeds(drawn)
     factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]
-    error = np.hypot(nominal.error, factor * (speeds.each - alone.each).std(axis=0, ddof=1))
-    shift = nominal.centre - alone.centre
+    error = np.hypot(nominal.error, factor * (speeds.each - predicted.each).std(axis=0, ddof=1))
+    shift = nominal.centre - predicted.centre
     prints = prediction.print_speeds(known, speeds._replace(error=error), drawn, shift)
     middle = float(np.median(prints))
     first2, first1, last1, last2 = np.quantile(prints, QUANTILES).tolist()

@@ -20,7 +20,7 @@ MAX_PAIRS = 64
 
 
 class UntilDecided(NamedTuple):
-    """Rule that adds pairs of runs (scene, variant) until the change is clearly within the tolerance or not."""
+    """Rule that adds pairs of runs, with and without an effect, until it is clear whether the change is tolerable."""
 
     tolerance: Tolerance
     first: int = FIRST_RUNS
@@ -112,14 +112,14 @@ def find_simplest(walker: Walker, progress: Progress = silent, threads: int | No
     accepted = walker.scene.run.accepted_error
     if accepted is None:
         return Simplest(walker)
-    whole = walker._replace(scene=replace_without_validation(walker.scene, {"run.accepted_error": None}))
-    found = Simplest(whole, accepted)
+    complete = walker._replace(scene=replace_without_validation(walker.scene, {"run.accepted_error": None}))
+    found = Simplest(complete, accepted)
 
     def try_variant(variant: Variant | None) -> Simplest:
         """Measure a variant. Return `found` with its change in `left_out` or `kept`, unchanged for None."""
         if variant is None:
             return found
-        measured = measure(Pairs(whole, (variant,)), until, progress, threads)
+        measured = measure(Pairs(complete, (variant,)), until, progress, threads)
         if measured.partial:
             raise KeyboardInterrupt
         change = measured.experiment.changes(measured.records)[0]
@@ -131,7 +131,7 @@ def find_simplest(walker: Walker, progress: Progress = silent, threads: int | No
     until = UntilDecided(Tolerance(accepted, relative=True))
     for rule in active_effects.all_rules():
         effect = rule.judge(found.walker.plan().case)
-        if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:
+        if effect.on and rule.switch and rule.switch not in complete.scene.effects.on:
             variant = variants.without_effect(found.walker, rule)
             found = try_variant(None if variant is None else variant._replace(effect=effect.name))
     return found

@@ -13,7 +13,7 @@ MIN_VALUES = 8
 
 
 class Emulator(NamedTuple):
-    """Gaussian process over inputs of shape (n, d), in units of the scatter of what it was given.
+    """Gaussian process over inputs of shape (n, d), scaled to (x - centre) / scale, with both of shape (d,).
 
     A Matern kernel (twice differentiable paths) with a length for each input, by scikit-learn.
     """

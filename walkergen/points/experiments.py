@@ -54,7 +54,7 @@ class Walker(NamedTuple):
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def plan(self) -> Plan:
-        """Return the plan of the scene. Raises InputError if it contradicts itself or the design."""
+        """Return the 3D simulation of the walker. Raises InputError if scene and design contradict each other."""
         return prepare(self.scene, self.design, self.mass)
 
     def prepare(self) -> OneRun[RunResult]:
@@ -132,7 +132,7 @@ def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s
 
 
 def _step_us(plan: Plan) -> float:
-    """Return the time step of a plan, µs."""
+    """Return the time step of a simulation, µs."""
     return 1e6 * plan.world.options.step
 
 

@@ -82,10 +82,10 @@ def refused_record(error: WalkergenError) -> Record:
 def point_key(point: Point) -> str:
     """Return a hash of all that a point's numbers depend on, program sources included: 32 hexadecimal digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
-    table = [point.scene.prediction.model_dump(), networks.digest()]
+    prediction_facts = [point.scene.prediction.model_dump(), networks.digest()]
     facts = [
         *experiments.key_facts(point.scene, point.design),
-        *(table if point.predicted else []),
+        *(prediction_facts if point.predicted else []),
         point.simulated,
         sorted(point.keep),
         point.wanted,

@@ -1,4 +1,4 @@
-"""Poses of one run in space at a fixed rate: what movies and pages show of it.
+"""Poses of one run of the 3D simulation at a fixed rate, as movies and pages show them.
 
 Axes as in the simulation: x along the lane, y up, z across, to the right of a walker that heads
 along x. A corner is numbered as its point of contact: of every leg in turn left, right.
@@ -100,7 +100,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
         heading=states[:, HEADING],
         corners=points[:, on_plate, :3] - start,
         gaps=points[:, on_plate, 3],
-        closed=states[:, first:][:, modes][:, on_plate] != OPEN,
+        closed=states[:, first:][:, modes][:, on_plate] != OPEN,  # states end with rows of the contacts
         plate=plate,
         phase=states[:, PHASE],
         landings=landings[np.argsort(landings[:, 0], kind="stable")],

@@ -1,4 +1,4 @@
-"""Simulation of many prints, each with its own uncertain inputs: one short run a draw."""
+"""Simulation of many printed walkers in one short run each. A draw is one of them, with random uncertain inputs."""
 
 import math
 from collections import Counter
@@ -23,6 +23,7 @@ from walkergen.points import emulator, step_errors, walkers
 from walkergen.points.experiments import Results, Walker
 
 Bounds = tuple[float, float, float, float]
+"""Speeds, mm/s: lower ends of 95 % and 68 %, upper ends of 68 % and 95 %."""
 
 MIN_DRAWS, MAX_DRAWS = 16, 4096
 
@@ -115,7 +116,7 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
 
 
 def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
-    """Widen the bounds `ends` (95 % low, 68 % low, 68 % high, 95 % high) of a mean by the time step's error, mm/s.
+    """Widen the bounds `ends` of a mean by the time step's error, mm/s.
 
     The error (95 %; None if unknown) is added in quadrature.
     """
@@ -171,8 +172,8 @@ def analyse(
     rest = exact("unexplained", "", 0.0)
     if between > 0.0:
         explained, errors = _variance_shares(inputs, values, speeds, between, seed)
-        shares = uncertain_inputs.sort_shares(inputs, explained[:2], errors[:2])
-        rest = rest._replace(value=1.0 - float(explained[2, 0]), se=float(errors[2, 0]))
+        shares = uncertain_inputs.sort_shares(inputs, explained[:2], errors[:2])  # first-order and total
+        rest = rest._replace(value=1.0 - float(explained[2, 0]), se=float(errors[2, 0]))  # of all together
     return PrintScatter(
         len(speeds),
         outcomes,
@@ -211,7 +212,7 @@ def _variance_shares(
 ) -> tuple[Array, Array]:
     """Return the shares of the variance between prints by input, and their jackknife errors, both of shape (3, inputs).
 
-    Rows: first-order share, total share, and the share of all inputs together, which repeats. `between`: standard
+    Rows: first-order share, total share, and in every column the share of all inputs together. `between`: standard
     deviation between prints, mm/s.
     """
     fit_of_all = emulator.fit(values, speeds, seed=seed % 2**32)

@@ -37,7 +37,7 @@ MIN_RUNS_S = 10.0
 
 
 def stop_after_moment() -> Stopped:
-    """Return a function that stops a run after MOMENT_S of CPU time."""
+    """Return a function that stops a run: it returns True once MOMENT_S of CPU time have passed from now."""
     ends = time.thread_time() + MOMENT_S
     return lambda: time.thread_time() >= ends
 
@@ -62,7 +62,7 @@ def measure_rate(plan: Plan) -> float:
 
 
 def run_cpu_s(walker: Walker) -> float:
-    """Return the CPU seconds of one run of a walker."""
+    """Estimate the CPU seconds of one run of a walker by simulating a moment."""
     run = walker.scene.run
     return measure_rate(walker.plan()) * (run.discard_seconds + run.seconds)
 

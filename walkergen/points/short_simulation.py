@@ -1,6 +1,6 @@
-"""A walker's speed by a short simulation: as designed to 5 %, and over prints with its uncertain inputs.
+"""A walker's speed by a short simulation: as designed to 5 %, and over printed walkers with its uncertain inputs.
 
-What the scene's `run.accepted_error` allows is left out, and the bounds include the measured error of leaving it out.
+Effects that change the speed by less than `run.accepted_error` are left out. The bounds include this change.
 
 The store keeps the speed, so that a second request, from anywhere, gets the same immediately.
 """
@@ -68,8 +68,8 @@ def load_stored(walker: Walker) -> Record | None:
 def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Record:
     """Simulate a walker shortly, and save its numbers in the store.
 
-    A few runs are enough if `near`, the surrogate's numbers of such walkers, are given. Raises InputError for a walker
-    with so many steps that it takes minutes.
+    `near`: the walker with the surrogate's numbers, so that a few runs are enough; None if it has none. Raises
+    InputError for a walker with so many steps that it takes minutes.
     """
     _check_run_length(walker)
     record = corrected_surrogate.simulate(walker, near, progress) or _simulate_runs(walker, progress)
@@ -82,11 +82,11 @@ def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Re
 
 
 def _simulate_runs(walker: Walker, progress: Progress) -> Record:
-    """Compute the numbers from runs of the walker and of its prints."""
+    """Return the record of speeds, mm/s, from runs of the walker as designed and of its prints."""
     simple = find_simplest(_with_short_runs(walker), part_progress(progress, 0, 3, "what can be left out"))
-    few = simple.walker
+    short_walker = simple.walker
     results = walkers.simulate_with_limit(
-        few, NOMINAL_TOLERANCE, MAX_RUNS, part_progress(progress, 1, 3, "as designed")
+        short_walker, NOMINAL_TOLERANCE, MAX_RUNS, part_progress(progress, 1, 3, "as designed")
     )
     if results.partial:
         raise KeyboardInterrupt
@@ -101,7 +101,7 @@ def _simulate_runs(walker: Walker, progress: Progress) -> Record:
         "left_out": dict(simple.lines).get("left out"),
         "left_out_mm_s": simple.error_mm_s,
     }
-    return record | _simulate_prints(few, progress)
+    return record | _simulate_prints(short_walker, progress)
 
 
 def _with_short_runs(walker: Walker) -> Walker:
@@ -122,22 +122,22 @@ def _check_run_length(walker: Walker) -> None:
     cpu_s = _estimate_cpu_s(walker)
     if cpu_s <= MAX_CPU_S:
         return
-    usual = [
+    faster = [
         (_estimate_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual_scenes(walker.scene)
     ]
-    least_s, key, value = min(usual)
+    least_s, key, value = min(faster)
     takes = (
         f"a prediction by runs takes {formatting.format_duration(cpu_s)} of CPU time, "
         f"{formatting.format_duration(MAX_CPU_S)} at most"
     )
-    anyway = "`simulate --seconds 0.1 --runs 2`"
+    advice = "`simulate --seconds 0.1 --runs 2`"
     if least_s > 0.5 * cpu_s:
-        raise InputError(f"{walker.design.name}: {takes}, because its parts are stiff, light or small; use {anyway}")
-    raise InputError(f"scene.{key} = {value:g}: {takes}; give another value, or use {anyway}", f"scene.{key}")
+        raise InputError(f"{walker.design.name}: {takes}, because its parts are stiff, light or small; use {advice}")
+    raise InputError(f"scene.{key} = {value:g}: {takes}; give another value, or use {advice}", f"scene.{key}")
 
 
 def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
-    """Yield the keys that determine a scene's steps, with their values, and the scene with a usual value."""
+    """Yield each key that may make a scene slow: key, its value, and the scene with the default instead."""
     yield (
         "drive.frequency_hz",
         scene.drive.frequency,
@@ -145,10 +145,10 @@ def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
     )
     for table in ("feet", "contact", "run"):
         section = getattr(scene, table)
-        for own, field in type(section).model_fields.items():
-            value = getattr(section, own)
+        for name, field in type(section).model_fields.items():
+            value = getattr(section, name)
             if isinstance(value, float) and value != field.default:
-                key = f"{table}.{own}"
+                key = f"{table}.{name}"
                 yield key, value, replace_without_validation(scene, {key: field.default})
 
 

@@ -90,7 +90,7 @@ def cost(point: Point) -> float:
         runs = walker.scene.run.runs
         left = run_time.run_cpu_s(walker) * runs if wanted is None else walkers.cost_to_error(walker, wanted)
         return found.cpu_s + left
-    evaluate(point)  # what is read once for all points
+    evaluate(point)  # not timed: it loads what all points share
     started = time.thread_time()
     evaluate(point)
     return time.thread_time() - started
@@ -177,8 +177,8 @@ def _motion_record(results: Results, names: Sequence[str]) -> Record:
 
 def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
     """Return status and text for the runs of a point. `met`: result for a requested error, None without one."""
-    fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
-    bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
+    valid = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
+    bad = {name: count for name, count in summary.outcomes.items() if name not in valid}
     if summary.speed.value is None:
         return status_record(PointStatus.NO_SPEED, f"{PointStatus.NO_SPEED}: {format_outcomes(summary.outcomes)}")
     if bad:

@@ -59,12 +59,12 @@ def predict(
 
 
 def _how(record: "Record") -> str:
-    """Describe how a speed was simulated."""
+    """Describe how the speed in a record was computed: by runs alone, or by the surrogate and runs."""
     return "simulated" if record["by"] == "runs" else "by the surrogate, corrected by a few runs"
 
 
 def _push_warning(weights: float) -> str:
-    """Describe what is uncertain if a motor pushes with so few weights; "" for tested ones."""
+    """Return a warning on a weak motor; "" for a tested one. `weights`: its peak force over the walker's weight."""
     if weights >= MIN_TESTED_PUSH:
         return ""
     return (

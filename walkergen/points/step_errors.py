@@ -81,7 +81,7 @@ def _bias(plan: Plan, part: float, name: str, value: float) -> float:
         return part**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.shaken.peak_speed)
     if name in MAX_STEP_ERRORS:
         return part**2 * MAX_STEP_ERRORS[name] * abs(value)
-    return part**2 * MAX_SHARE_ERRORS[name.partition(".")[2]] if value > 0.0 else 0.0
+    return part**2 * MAX_SHARE_ERRORS[name.partition(".")[2]] if value > 0.0 else 0.0  # share of an impact type
 
 
 def step_bias(number: Quantity) -> float | None:

@@ -63,11 +63,12 @@ def draw_tracks(tracks: Tracks, title: str) -> Figure:
 
 
 def _draw_headings(axes: Axes, track: Track, size: float, colour: str) -> None:
-    """Draw arrows for the walker's heading along a track. `size`: width of all tracks, mm."""
+    """Draw ARROW_COUNT arrows for the walker's heading along a track. `size`: largest extent of all tracks, mm."""
     assert track.heading is not None
     complete = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
-    at = np.flatnonzero(complete)
-    chosen = at[np.linspace(0, len(at) - 1, min(ARROW_COUNT, len(at))).astype(int)] if len(at) else at
+    indices = np.flatnonzero(complete)
+    count = min(ARROW_COUNT, len(indices))
+    chosen = indices[np.linspace(0, len(indices) - 1, count).astype(int)] if len(indices) else indices
     heading = track.heading[chosen]
     axes.quiver(
         *track.position[chosen].T,

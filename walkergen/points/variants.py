@@ -72,6 +72,7 @@ class Pairs(NamedTuple):
             compile_kernels(plan)
 
         def simulate_all(number: int, stopped: Any, tell: Any) -> RunSet:
+            """Simulate run `number`. `stopped`: returns True to stop. `tell`: receives the share that is done."""
             results = []
             for done, plan in enumerate(plans, start=1):
                 results.append(simulate(plan, number, stopped))
@@ -96,7 +97,7 @@ class Pairs(NamedTuple):
         changes = []
         for index, variant in enumerate(self.variants, start=1):
             pairs = [(runs[0], runs[index]) for runs in records]
-            cpu = quantity.mean("cpu_ratio", "", [other.cpu_s / max(own.cpu_s, 1e-9) for own, other in pairs])
+            cpu = quantity.mean("cpu_ratio", "", [run.cpu_s / max(base.cpu_s, 1e-9) for base, run in pairs])
             speed = _speed_difference(pairs, self.walker.shaken.peak_speed)
             changes.append(Change(variant.effect, variant.change, speed, cpu))
         return changes
@@ -118,7 +119,7 @@ def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed:
         return Quantity(
             "change", "mm_s", None, refused=f"{len(ended)} of {2 * len(pairs)} runs: {ended[0].outcome.value}"
         )
-    speeds = np.array([[own.speed, other.speed] for own, other in pairs])
+    speeds = np.array([[base.speed, run.speed] for base, run in pairs])
     mean = quantity.mean("change", "mm_s", speeds[:, 1] - speeds[:, 0])
     if ensemble.ORBIT in (ensemble.common_orbit(column, plate_speed) for column in speeds.T):
         return mean._replace(se=None, refused=Outcome.ORBIT.value)

@@ -172,7 +172,7 @@ def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None
     `interval`: time between samples of the tracks, s; None for the ends of blocks.
     """
     slope = 0.0 if "plate_slope" in scene.effects.off else scene.plate.slope_deg
-    descent = None if not slope else 0.0 if slope > 0.0 else math.pi
+    descent = None if not slope else 0.0 if slope > 0.0 else math.pi  # heading downhill, rad
     tracks = tracks_of(results, scene.arena.kind == "lane", interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
     least = max(motion.DEFAULT_LAG_S, tracks.interval)

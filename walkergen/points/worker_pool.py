@@ -61,7 +61,7 @@ def local_pool(workers: int | None = None) -> Iterator[WorkerPool]:
 
 @contextmanager
 def _ignore_ctrl_c() -> Iterator[None]:
-    """Ignore Ctrl-C for the moment; only the main thread can do so."""
+    """Ignore Ctrl-C within the `with` block. In a thread other than the main one this is impossible and omitted."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -158,7 +158,7 @@ def check_digests(digests: dict[str, str]) -> None:
     """Raise InputError for the first worker whose digest of walkergen's sources differs from that of this machine."""
     for worker, reply in digests.items():
         if reply != digest():
-            what = "another version of walkergen" if len(reply) == 16 else reply[:120]
+            what = "another version of walkergen" if len(reply) == 16 else reply[:120]  # else an error
             raise InputError(
                 f"‹dask›: worker {worker} has {what}, this machine {digest()}: install the same "
                 f"walkergen there, for Python {sys.version_info.major}.{sys.version_info.minor}"
