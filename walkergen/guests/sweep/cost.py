@@ -14,8 +14,8 @@ MAX_UNCONFIRMED_POINTS = 100_000
 """Largest number of points in a sweep that starts without confirmation of its cost."""
 
 PILOT_POINTS, PILOT_DIVISOR = 5, 3
-"""Number of points whose cost is found out; of those that shall meet an error, or leave out what one accepts, whose
-first runs that takes, one in so many at most."""
+"""Number of points whose cost is measured, and smallest ratio of all points to these if each takes its first runs, as
+for a requested or an accepted error."""
 
 MIN_SWEEP_S, PREDICTION_S = 100.0, 0.5
 """Simulated time (s) of a sweep below which its cost is not estimated, and the assumed time of a prediction."""
@@ -36,7 +36,7 @@ class Cost(NamedTuple):
 def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
     """Estimate time and disk space of a sweep from a few points at even distances.
 
-    Invalid and stored points cost nothing. Return None if the estimate would take a good part of the sweep itself.
+    Invalid and stored points cost nothing. Return None for a small sweep, which takes little longer than an estimate.
     """
     points, run = sweep.space.points, sweep.scene.run
     costly = sweep.wanted is not None or (sweep.model != PREDICTION and run.accepted_error is not None)
@@ -46,8 +46,8 @@ def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
     pilots = list(_pilot_points(sweep, count))
     stored = store.get([point_key(pilot) for pilot in pilots])
     costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
-    each_s = run_time.wall_time(sum(costs) / count, points, workers)
-    return Cost(points, each_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points)
+    total_s = run_time.wall_time(sum(costs) / count, points, workers)
+    return Cost(points, total_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points)
 
 
 def _pilot_points(sweep: SweepPoints, count: int) -> Iterator[Point]:

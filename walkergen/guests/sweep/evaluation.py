@@ -1,4 +1,7 @@
-"""Evaluation of many points: those that are known come from the store, others from a pool."""
+"""Evaluation of many points in their order: stored records come from the store, others from a pool of processes.
+
+The pool evaluates tasks of one or several points. A slot is a point's position in the order, filled by its task.
+"""
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,6 +35,7 @@ PointOrRefusal = Point | Record
 """Point, or the record of one that was refused before it can be evaluated."""
 
 Answer = tuple[str, list[Record]]
+"""Answer of a task: hash of the worker's sources, and the records of its points."""
 
 
 class Done(NamedTuple):
@@ -52,11 +56,11 @@ class _Task:
     """By their keys."""
     future: "Future[Answer]"
     again: bool = False
-    """True where a first answer was lost on its way."""
+    """Whether it was submitted a second time, after its first answer was lost."""
 
 
 class _Slot(NamedTuple):
-    """Place of a point in the order: done, or under way as the n-th of a task."""
+    """Point in the order: `done`, or still the point with index `place` of a `task`."""
 
     done: Done | None
     task: _Task | None = None
@@ -86,20 +90,20 @@ def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: Worker
 def _evaluate_by_pool(
     stream: Iterator[PointOrRefusal], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
-    """Yield the records of points in order, evaluated by a pool. Tasks with unsaved records are in `under_way`."""
+    """Yield the records of points in order, evaluated by a pool. `under_way`: updated, tasks not yet saved."""
     slots: deque[_Slot] = deque()
-    more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
-    while more or slots:
-        while more and len(under_way) < most and len(slots) < MAX_PENDING:
-            block = list(islice(stream, LOOKUP_BLOCK if most > 1 else 1))
-            more = bool(block)
+    remaining, max_tasks = True, 1  # the first point alone: where kernels are new, it compiles for all
+    while remaining or slots:
+        while remaining and len(under_way) < max_tasks and len(slots) < MAX_PENDING:
+            block = list(islice(stream, LOOKUP_BLOCK if max_tasks > 1 else 1))
+            remaining = bool(block)
             for slot in _send_block(block, store, pool):
                 slots.append(slot)
                 if slot.task is not None:
                     under_way[slot.task.future] = slot.task
         if under_way and slots[0].task is not None and slots[0].task.future in under_way:
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
-            most = TASKS_PER_WORKER * pool.workers
+            max_tasks = TASKS_PER_WORKER * pool.workers
             for future in finished:
                 task = under_way[future]
                 if _is_lost(task):
@@ -115,17 +119,17 @@ def _evaluate_by_pool(
 def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Done]:
     """Yield the records of points in their order, evaluated by this process. Simulated points are saved one by one."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
-    stored = store.get([name for name in keys if name])
+    stored = store.get([key for key in keys if key])
     unsaved: list[tuple[str, Record]] = []
     finished: list[Done] = []
-    for point, name in zip(block, keys, strict=True):
+    for point, key in zip(block, keys, strict=True):
         if not isinstance(point, Point):
-            finished.append(Done(name, point, False))
-        elif name in stored:
-            finished.append(Done(name, stored[name], True))
+            finished.append(Done(key, point, False))
+        elif key in stored:
+            finished.append(Done(key, stored[key], True))
         else:
-            finished.append(Done(name, evaluate(point), False))
-            unsaved.append((name, finished[-1].record))
+            finished.append(Done(key, evaluate(point), False))
+            unsaved.append((key, finished[-1].record))
             if point.simulated:
                 store.save(unsaved)
                 unsaved.clear()
@@ -138,26 +142,26 @@ def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Do
 def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool) -> list[_Slot]:
     """Send the points that are not stored to the pool as tasks, and return a slot for each point of the block."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
-    stored = store.get([name for name in keys if name])
+    stored = store.get([key for key in keys if key])
     fresh = {
-        name: point for name, point in zip(keys, block, strict=True) if isinstance(point, Point) and name not in stored
+        key: point for key, point in zip(keys, block, strict=True) if isinstance(point, Point) and key not in stored
     }
     simulated = any(point.simulated for point in fresh.values())
     size = 1 if simulated else POINTS_PER_TASK
-    names = list(fresh)
+    fresh_keys = list(fresh)
     places: dict[str, tuple[_Task, int]] = {}
-    for first in range(0, len(names), size):
-        part = {name: fresh[name] for name in names[first : first + size]}
+    for first in range(0, len(fresh_keys), size):
+        part = {key: fresh[key] for key in fresh_keys[first : first + size]}
         task = _Task(part, _submit_task(part, pool))
-        places |= {name: (task, place) for place, name in enumerate(part)}
+        places |= {key: (task, place) for place, key in enumerate(part)}
     slots = []
-    for name, point in zip(keys, block, strict=True):
+    for key, point in zip(keys, block, strict=True):
         if not isinstance(point, Point):
-            slots.append(_Slot(Done(name, point, False)))
-        elif name in stored:
-            slots.append(_Slot(Done(name, stored[name], True)))
+            slots.append(_Slot(Done(key, point, False)))
+        elif key in stored:
+            slots.append(_Slot(Done(key, stored[key], True)))
         else:
-            slots.append(_Slot(None, *places[name]))
+            slots.append(_Slot(None, *places[key]))
     return slots
 
 

@@ -120,9 +120,10 @@ def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figur
     if left := len(scales) - MAX_PANELS:
         scales = scales[:MAX_PANELS]
         title += f"; {left} keys left out" if left > 0 else ""
+    all_rows = np.ones(len(columns.value), dtype=bool)
     with _make_sheet(title, len(scales)) as (drawn, panels, in_row):
         for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
-            draw.draw_dots(axes, columns, scale, np.ones(len(columns.value), dtype=bool), LINE_STYLES[0], 0, False)
+            draw.draw_dots(axes, columns, scale, all_rows, LINE_STYLES[0], number=0, joined=False)
             format_axis(axes, "x", scale)
             if place % in_row == 0:
                 axes.set_ylabel(draw.value_label(columns, draw.MAX_CLOUD_BARS))
@@ -138,7 +139,7 @@ def _spread_numbers(count: int, max_count: int) -> list[int]:
 
 
 def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
-    """Return the columns, without their keys, and the scales of the rows where the mask `rows` is True."""
+    """Return (columns, scale, scale, ...) with only the rows where `rows` is True. The columns have no keys."""
     kept = Columns(
         {},
         columns.value[rows],
@@ -161,7 +162,7 @@ def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], in
     """
     in_row = 1 if count == 1 else 2 if count in (2, 4) else 3 if count <= 6 else 4
     width = COLUMN_INCHES if in_row < 3 else PAGE_INCHES
-    rows = -(-count // in_row)
+    rows = -(-count // in_row)  # rounded up
     panel_height = 2.4 if count == 1 else 1.75
     drawn = Figure(figsize=(width, rows * panel_height + 0.3), layout="constrained", dpi=300)
     grid = drawn.subplots(rows, in_row, squeeze=False, sharey=count > 1)
@@ -220,5 +221,5 @@ def _draw_legend(drawn: Figure, handles: Sequence[Any]) -> None:
     if not handles:
         return
     entries = 2 if drawn.get_figwidth() < PAGE_INCHES else 5
-    drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // entries))
+    drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // entries))  # inches a row
     drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=entries, handlelength=2.8)

@@ -34,8 +34,8 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
     """Evaluate all points of a request and return the report. `expect`: receives a function that estimates the time."""
     sweep = sweep_setup.read_points(request)
     folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
-    few = not request.from_shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
-    with closing(Store()) as store, open_pool(few, request.workers, request.dask) as pool:
+    in_process = not request.from_shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
+    with closing(Store()) as store, open_pool(in_process, request.workers, request.dask) as pool:
         workers = 1 if pool is None else pool.workers
 
         def estimate() -> cost.Cost | None:
@@ -111,7 +111,7 @@ def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) ->
     if request.pictures and not any(name.endswith(".png") for name in facts["files"]):
         return None
     count = sweep.space.points
-    result = report.make_report(sweep, Points(sweep.columns, False, count, count, facts["bad"]))
+    result = report.make_report(sweep, Points(sweep.columns, kept=False, count=count, stored=count, bad=facts["bad"]))
     return report.add_files(result, folder.path, list(facts["files"]))
 
 

@@ -112,7 +112,7 @@ def draw_lines(axes: Axes, columns: Columns, x: Scale, line_scale: Scale | None,
     for number in range(count):
         chosen = rows if line_scale is None else rows & (line_scale.which == number)
         shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
-        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], number, not x.words, shift)
+        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], number, joined=not x.words, shift=shift)
     format_axis(axes, "x", x)
     shown = columns.value[~columns.missing]
     if x.words:
@@ -147,11 +147,11 @@ def draw_dots(
     if crowded and joined and bounded.any():
         axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
     elif bounded.any() and len(order) <= MAX_CLOUD_BARS:
-        ends = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
+        lengths = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
         axes.errorbar(
             places[bounded],
             value[bounded],
-            ends,
+            lengths,
             fmt="none",
             ecolor=colour,
             elinewidth=0.8,
@@ -173,8 +173,8 @@ def draw_dots(
     missing = places[np.isnan(value)]
     if len(missing):
         height = np.full(len(missing), 0.03 + 0.05 * number)
-        foot = axes.get_xaxis_transform()
-        axes.plot(missing, height, "x", color=colour, transform=foot, clip_on=False)
+        x_data_y_share = axes.get_xaxis_transform()
+        axes.plot(missing, height, "x", color=colour, transform=x_data_y_share, clip_on=False)
 
 
 def value_label(columns: Columns, max_points: int | None = None) -> str:
@@ -239,7 +239,7 @@ def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize
 
 
 def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
-    """Return points for labels, at most one on each line: where other lines are farthest, if far enough.
+    """Return positions of labels, shape (2,) each: on each line where others are farthest, none if they are near.
 
     `lines`: contours, shape (n, 2) each, in data units. Distances are measured in widths and heights of the panel.
     """
@@ -250,13 +250,13 @@ def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
     chosen: list[Array] = []
     places: list[Array] = []
     for number, share in enumerate(shares):
-        others = np.concatenate([*shares[:number], *shares[number + 1 :], np.full((1, 2), 9.0)])
-        near = np.abs(share[:, None] - others).max(axis=2).min(axis=1)
-        near = np.minimum(near, np.minimum(share, 1 - share).min(axis=1))
+        others = np.concatenate([*shares[:number], *shares[number + 1 :], np.full((1, 2), 9.0)])  # 9: far outside
+        distance = np.abs(share[:, None] - others).max(axis=2).min(axis=1)
+        distance = np.minimum(distance, np.minimum(share, 1 - share).min(axis=1))
         for place in chosen:
-            near = np.where(np.abs(share - place).max(axis=1) < LABEL_DISTANCE, 0.0, near)
-        best = int(near.argmax())
-        if near[best] > CONTOUR_DISTANCE:
+            distance = np.where(np.abs(share - place).max(axis=1) < LABEL_DISTANCE, 0.0, distance)
+        best = int(distance.argmax())
+        if distance[best] > CONTOUR_DISTANCE:
             chosen.append(share[best])
             places.append(lines[number][best])
     return places

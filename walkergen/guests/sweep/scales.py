@@ -34,7 +34,9 @@ class Scale(NamedTuple):
     which: npt.NDArray[np.intp]
     """Place in `values` of each row."""
     words: bool
+    """Whether the values are words; False for numbers."""
     log: bool
+    """Whether the axis is logarithmic."""
 
     @property
     def at(self) -> Array:
@@ -45,13 +47,13 @@ class Scale(NamedTuple):
 def make_scale(key: str, values: Sequence[Any]) -> Scale:
     """Return the scale of a key from its values in all rows. If one is no number, all count as words."""
     words = not all(is_number(value) for value in values)
-    seen = [_to_word(value) if words else value for value in values]
-    distinct = list(dict.fromkeys(seen)) if words else sorted(set(seen))
-    number = {value: place for place, value in enumerate(distinct)}
+    entries = [_to_word(value) if words else value for value in values]
+    distinct = list(dict.fromkeys(entries)) if words else sorted(set(entries))
+    index_of = {value: place for place, value in enumerate(distinct)}
     places = np.array(range(len(distinct)) if words else distinct, dtype=float)
     log = not words and places[0] > 0 and places[-1] > LOG_MIN_RATIO * places[0]
     log = bool(log and np.median(places) < LOG_MAX_MEDIAN * places[-1])
-    index = np.array([number[value] for value in seen], dtype=np.intp)
+    index = np.array([index_of[value] for value in entries], dtype=np.intp)
     return Scale(key, tuple(distinct), places, index, words, log)
 
 

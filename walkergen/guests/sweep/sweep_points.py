@@ -89,6 +89,7 @@ class SweepPoints(NamedTuple):
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
             return
         except InputError as error:
+            # What follows the key in each key at fault: nothing, or a part of its value
             faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
             if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 if self.file is None:
@@ -106,7 +107,7 @@ class SweepPoints(NamedTuple):
         """Return the point with these values of the keys. Raises WalkergenError if it is invalid."""
         design, scene = change_keys(self.design, self.scene, values, data=self.data)
         if (kind := model_kinds.kind_of(self.model)) != ALONE:
-            return Point(design, scene, True, (), kind=kind)
+            return Point(design, scene, simulated=True, keep=(), kind=kind)
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
     def points(self) -> Iterator[PointOrRefusal]:

@@ -70,7 +70,7 @@ class Table:
 
 
 def row_checksum(line: str) -> str:
-    """Return the check sum, 8 hexadecimal digits, of a row's text without it."""
+    """Return the check sum, 8 hexadecimal digits, of a row's text before the column of the check sum."""
     return f"{zlib.crc32(line.rstrip().encode()):08x}"
 
 
