@@ -69,12 +69,12 @@ def file_name(film: Film, values: Mapping[str, Any]) -> str:
     `values`: values that were set, by dotted key. They are shortened and have only safe letters.
     """
     what = names.part_name(film.members[0]) if len(film.members) == 1 else names.race_name(film.members)
-    seen = "_perspective" if film.view == "perspective" else ""
+    view = "_perspective" if film.view == "perspective" else ""
     settings = "".join(f"_{key.rpartition('.')[2]}-{value}" for key, value in values.items())
-    return f"{what}_{film.scene.name}{seen}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
+    return f"{what}_{film.scene.name}{view}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
 
 
-class Made(NamedTuple):
+class MovieFiles(NamedTuple):
     """Files that were written, and the runs that they show."""
 
     gif: Path

@@ -28,7 +28,7 @@ MAX_STILL_LENGTHS = 1.5
 
 
 class Style(NamedTuple):
-    """Look of one kind of impact; colours after Okabe and Ito, with a sign for readers in grey."""
+    """Look of one kind of impact, and its name in numerals and in words. Colours after Okabe and Ito."""
 
     colour: str
     marker: str
@@ -101,7 +101,7 @@ class Course(NamedTuple):
 def draw_heights(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
     """Draw the heights of plate and feet over time with all impacts. Return the line that marks the current time.
 
-    `feet`: curves in the order of the numbers in `Impact.foot`.
+    `place`: rectangle of the plot, pixels. `feet`: curves of the corners, in the order of the numbers in `Impact.foot`.
     """
     axes = canvas.axes(*place)
     canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
@@ -169,7 +169,7 @@ def add_flash(axes: Axes) -> Flash:
 
 
 def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tail: Array, foot: Array) -> None:
-    """Show an impact: a burst at `foot`, an arrow from `tail`, sized by impulse / `largest`. `brightness`: 0..1."""
+    """Show a burst at `foot`, an arrow from `tail` to it, (x, y) each; sizes: impulse / `largest`; `brightness`: 0..1."""
     colour, size = impact_style(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
     flash.arrow.set_positions(tuple(tail), tuple(foot))
     flash.arrow.set(color=colour, alpha=brightness, linewidth=0.5 + 3.0 * size)
@@ -179,7 +179,7 @@ def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tai
 
 
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
-    """Return a picture with heading and legend, and its line of text for numbers. `slow`: film seconds per second."""
+    """Return a canvas with heading and legend, and its empty line of text for numbers. `slow`: as of `format_pace`."""
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
     canvas.text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)

@@ -11,7 +11,7 @@ from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.files.report import Report
 from walkergen.guests.movie import report
-from walkergen.guests.movie.film import Film, Made, file_name, plan_film
+from walkergen.guests.movie.film import Film, MovieFiles, file_name, plan_film
 from walkergen.guests.movie.request import MovieRequest
 from walkergen.guests.movie.shot import Shot, Title, make_shot
 from walkergen.points import effect_selection, poses
@@ -41,19 +41,19 @@ def run(request: MovieRequest, progress: Progress, expect: Expect) -> Report:
     if request.out is not None and request.out.suffix.lower() != ".gif":
         message = f"‹out=›{str(request.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
         raise InputError(message, "out")
-    given = request.inputs()
-    design = given.design(request.design)
-    scene = given.scene(choose_scene(request.scene, [design]))
+    inputs = request.inputs()
+    design = inputs.design(request.design)
+    scene = inputs.scene(choose_scene(request.scene, [design]))
     effect_selection.check_no_accepted_error(scene, "applies only to speeds. A film shows every effect of its scene")
-    members = given.members(design, request.tilt, request.legs, whole=False)
+    members = inputs.members(design, request.tilt, request.legs, whole=False)
     film = plan_film(request, members, scene)
-    path = request.out or Path("out") / design.name / file_name(film, given.values)
+    path = request.out or Path("out") / design.name / file_name(film, inputs.values)
     return report.make_report(film, make_movie(film, path, progress, request.out is not None, expect))
 
 
 def make_movie(
     film: Film, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate
-) -> Made:
+) -> MovieFiles:
     """Simulate and draw a film. Write `path` (a GIF) and, with ffmpeg, an MP4 next to it.
 
     `named`: True if the user named `path`: the GIF then may overwrite a file that walkergen did not write. Raises
@@ -74,7 +74,7 @@ def make_movie(
             target.write(path.name, encoded.gif)
         if mp4 is not None and encoded.mp4 is not None:
             target.write(mp4.name, encoded.mp4)
-    return Made(path, mp4, encoded.without_mp4, frames, shots)
+    return MovieFiles(path, mp4, encoded.without_mp4, frames, shots)
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:

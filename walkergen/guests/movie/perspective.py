@@ -1,4 +1,8 @@
-"""Slow motion in perspective: the printed mesh to scale, feet magnified, landings flashed."""
+"""Slow motion in perspective: the printed mesh to scale, feet magnified, landings flashed.
+
+Corners of the feet are numbered leg by leg, the left before the right: corner k belongs to foot k // 2. Axes of the
+simulation: x along the lane, y up, z to the right of a walker that heads along x. `pose`: index of a pose in a run.
+"""
 
 import math
 from typing import NamedTuple
@@ -94,21 +98,23 @@ def make_draw_function(shot: Shot, poses_per_frame: int, slow: float, settings: 
     afterglow, R = AFTERGLOW_S / slow, shot.poses.rotations
 
     def draw(frame: int) -> Pixels:
-        at = min(frame * poses_per_frame, len(shot.times) - 1)
-        place = shot.poses.places[at] - centres[at]
-        pixels, left, low = raster.render(model, R[at], place, main.camera, BODY_COLOUR, INK)
+        """Return the picture of a frame."""
+        pose = min(frame * poses_per_frame, len(shot.times) - 1)
+        place = shot.poses.places[pose] - centres[pose]
+        pixels, left, low = raster.render(model, R[pose], place, main.camera, BODY_COLOUR, INK)
         picture.set_data(pixels)
         picture.ox, picture.oy = left + MAIN_PLACE.left, low + MAIN_PLACE.bottom
         glows = [
-            strongest_impact(shot, float(shot.times[at]), afterglow, corner) for corner in range(len(shot.poses.names))
+            strongest_impact(shot, float(shot.times[pose]), afterglow, corner)
+            for corner in range(len(shot.poses.names))
         ]
-        corners = shot.poses.corners[at] - centres[at]
-        _update_view(main, shot, at, centres[at], corners, glows)
-        _update_close_view(close, shot, at, centres[at], corners, glows)
-        now.set_xdata([1e3 * shot.times[at]] * 2)
-        over = f"   {shot.ended}" if at + poses_per_frame >= len(shot.times) else ""
-        heading = f"   heading {np.degrees(shot.poses.heading[at]):+.1f}°"
-        moment = float(shot.times[at]), float(shot.poses.phase[at]), float(shot.advance[at])
+        corners = shot.poses.corners[pose] - centres[pose]
+        _update_view(main, shot, pose, centres[pose], corners, glows)
+        _update_close_view(close, shot, pose, centres[pose], corners, glows)
+        now.set_xdata([1e3 * shot.times[pose]] * 2)
+        over = f"   {shot.ended}" if pose + poses_per_frame >= len(shot.times) else ""
+        heading = f"   heading {np.degrees(shot.poses.heading[pose]):+.1f}°"
+        moment = float(shot.times[pose]), float(shot.poses.phase[pose]), float(shot.advance[pose])
         readout.set_text(format_moment(*moment) + heading + over)
         return canvas.pixels()
 
@@ -126,7 +132,7 @@ def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
     poses = shot.poses
     shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
     covered = np.concatenate(
-        [shot.mesh.vertices @ poses.rotations[at].T + poses.places[at] - centres[at] for at in shown]
+        [shot.mesh.vertices @ poses.rotations[pose].T + poses.places[pose] - centres[pose] for pose in shown]
     )
     margin = 0.14 * float(shot.size[0])
     (left, _, near), (right, top, far) = covered.min(axis=0), covered.max(axis=0)
@@ -231,19 +237,19 @@ def _corner_courses(shot: Shot) -> list[Course]:
 
 
 def _update_view(
-    view: View, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
+    view: View, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Set lines of the plate, dots and flashes of a view for pose `at`.
+    """Set lines of the plate, dots and flashes of a view for the pose with index `pose`.
 
     `centre`: of the view, shape (3,), mm. `corners`: corners of the feet from it, shape (c, 3), mm. `glows`: for each
     corner the impact to show and its brightness, or None.
     """
     view.lines.set_segments(_plate_lines(view, shot, centre))
     seen = view.camera.project(corners)[:, :2]
-    heading, largest = shot.poses.heading[at], largest_impulse(shot)
+    heading, largest = shot.poses.heading[pose], largest_impulse(shot)
     for k, flash in enumerate(view.flashes):
         view.dots[k].set_data(*seen[k][:, None])
-        view.dots[k].set_visible(bool(shot.poses.closed[at, k]))
+        view.dots[k].set_visible(bool(shot.poses.closed[pose, k]))
         for artist in flash:
             artist.set_visible(glows[k] is not None)
         if (glow := glows[k]) is not None:
@@ -258,24 +264,27 @@ def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
     """Return the visible grid lines, fixed to the plate, shape (2, 2) each, pixels. `centre`: of the view, mm."""
     spacing = nice_ceil(0.05 * float(shot.size[0]))
     (left, right), (near, far) = view.area
-    ends = []
+    segments = []
     for low, high, axis in ((left, right, 0), (near, far, 2)):
         first = math.ceil((low + centre[axis]) / spacing)
         count = math.floor((high + centre[axis]) / spacing) - first + 1
         for at in spacing * (first + np.arange(count)) - centre[axis]:
-            ends.append([(at, 0, near), (at, 0, far)] if axis == 0 else [(left, 0, at), (right, 0, at)])
-    return list(view.camera.project(np.array(ends, float))[..., :2])
+            segments.append([(at, 0, near), (at, 0, far)] if axis == 0 else [(left, 0, at), (right, 0, at)])
+    return list(view.camera.project(np.array(segments, float))[..., :2])
 
 
 def _update_close_view(
-    close: Close, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
+    close: Close, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Set the view of the feet for pose `at`, with heights and bending magnified. Arguments as of `_update_view`."""
-    gaps = shot.poses.gaps[at]
+    """Set the view of the feet for the pose with index `pose`, with heights and bending magnified.
+
+    `centre`: of the view, mm. `corners`: unmagnified, from it, shape (c, 3), mm. `glows`: as in `_update_view`.
+    """
+    gaps = shot.poses.gaps[pose]
     on_plate = corners * (1.0, 0.0, 1.0)
     magnified = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
     raised = on_plate + np.outer(magnified, (0.0, 1.0, 0.0))
-    _update_view(close.view, shot, at, centre, raised, glows)
+    _update_view(close.view, shot, pose, centre, raised, glows)
     project = close.view.camera.project
     tips, feet = project(raised)[:, :2], project(on_plate)[:, :2]
     for side, edge in enumerate(close.edges):

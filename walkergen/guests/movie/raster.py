@@ -57,11 +57,11 @@ def fit_camera(points: Array, size: tuple[float, float]) -> Camera:
     right = np.cross([0.0, 1.0, 0.0], back)
     right /= np.linalg.norm(right)
     eye = 0.5 * (low + high) + CAMERA_DISTANCE * float(np.linalg.norm(high - low)) * back
-    plain = Camera(np.array([right, np.cross(back, right), back]), eye, 1.0, np.zeros(2))
-    seen = plain.project(points)[:, :2]
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    unscaled = Camera(np.array([right, np.cross(back, right), back]), eye, 1.0, np.zeros(2))
+    projected = unscaled.project(points)[:, :2]
+    low, high = projected.min(axis=0), projected.max(axis=0)
     scale = float((np.array(size) / (high - low)).min())
-    return plain._replace(scale=scale, offset=0.5 * np.array(size) - 0.5 * scale * (low + high))
+    return unscaled._replace(scale=scale, offset=0.5 * np.array(size) - 0.5 * scale * (low + high))
 
 
 class Model(NamedTuple):
@@ -85,9 +85,9 @@ def make_model(mesh: Mesh) -> Model:
         for start, end in zip(triangle, triangle[1:] + triangle[:1], strict=True):
             triangles_of.setdefault((min(start, end), max(start, end)), []).append(number)
     edges = [
-        (*ends, *two[:2])
-        for ends, two in triangles_of.items()
-        if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP_EDGE_COSINE
+        (*ends, *adjacent[:2])
+        for ends, adjacent in triangles_of.items()
+        if len(adjacent) > 1 and normals[adjacent[0]] @ normals[adjacent[1]] < SHARP_EDGE_COSINE
     ]
     return Model(mesh, normals, np.array(edges, np.int64).reshape(-1, 4))
 
@@ -100,16 +100,16 @@ def render(
     Return the smallest RGBA picture that contains it, upper row first, and the pixels of that picture's left and lower
     ends in the camera's picture. `colour` of faces and `ink` of edges are #rrggbb.
     """
-    seen = camera.project(model.mesh.vertices @ R.T + place)
-    left, low = np.floor(seen[:, :2].min(axis=0)).astype(int) - 1
-    right, high = np.ceil(seen[:, :2].max(axis=0)).astype(int) + 2
-    fine = np.column_stack([SAMPLES_PER_PIXEL * (seen[:, :2] - (left, low)), seen[:, 2]])
+    projected = camera.project(model.mesh.vertices @ R.T + place)
+    left, low = np.floor(projected[:, :2].min(axis=0)).astype(int) - 1
+    right, high = np.ceil(projected[:, :2].max(axis=0)).astype(int) + 2
+    fine = np.column_stack([SAMPLES_PER_PIXEL * (projected[:, :2] - (left, low)), projected[:, 2]])
     shape = SAMPLES_PER_PIXEL * int(high - low), SAMPLES_PER_PIXEL * int(right - left)
     number = np.full(shape, -1, np.int32)
     near = np.zeros(shape)
     corners = fine[model.mesh.triangles]
-    for at in np.flatnonzero(_doubled_areas(corners) > 0.0):
-        _fill_triangle(number, near, corners[at], int(at))
+    for triangle in np.flatnonzero(_doubled_areas(corners) > 0.0):
+        _fill_triangle(number, near, corners[triangle], int(triangle))
     _draw_edges(number, near, fine, model, _doubled_areas(corners) > 0.0)
     shades = _shade_faces(model.normals @ R.T @ camera.axes.T, colour, ink)
     return _downsample(shades[number][::-1]), int(left), int(low)
@@ -145,10 +145,10 @@ def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, v
                 end = np.minimum(end, crossing)
     # Nearness is linear over the picture
     spread = np.linalg.solve(np.column_stack([corners[:, :2], np.ones(3)]), corners[:, 2])
-    at = spread[0] * (x + 0.5) + (spread[1] * middle + spread[2])[:, None]
+    nearness = spread[0] * (x + 0.5) + (spread[1] * middle + spread[2])[:, None]
     rows, columns = slice(y[0], y[-1] + 1), slice(x[0], x[-1] + 1)
-    inside = (x + 0.5 >= begin[:, None]) & (x + 0.5 < end[:, None]) & (at > near[rows, columns])
-    near[rows, columns][inside] = at[inside]
+    inside = (x + 0.5 >= begin[:, None]) & (x + 0.5 < end[:, None]) & (nearness > near[rows, columns])
+    near[rows, columns][inside] = nearness[inside]
     number[rows, columns][inside] = value
 
 
@@ -181,7 +181,7 @@ def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]
 
 
 def _downsample(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Average the RGBA samples of each pixel. Transparent samples do not count for its colour."""
+    """Average SAMPLES_PER_PIXEL² RGBA samples to each pixel. Transparent samples do not count for its colour."""
     first, *others = (
         picture[row::SAMPLES_PER_PIXEL, column::SAMPLES_PER_PIXEL]
         for row in range(SAMPLES_PER_PIXEL)
@@ -190,7 +190,7 @@ def _downsample(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     total = first.astype(np.uint16)
     for sample in others:
         total += sample
-    pixels, seen = np.empty(total.shape, np.uint8), np.maximum(total[..., 3:] // 255, 1)
-    pixels[..., :3] = (total[..., :3] + seen // 2) // seen
+    pixels, opaque = np.empty(total.shape, np.uint8), np.maximum(total[..., 3:] // 255, 1)
+    pixels[..., :3] = (total[..., :3] + opaque // 2) // opaque
     pixels[..., 3] = (total[..., 3] + SAMPLES_PER_PIXEL**2 // 2) // SAMPLES_PER_PIXEL**2
     return pixels

@@ -1,11 +1,11 @@
 """Report of a film: its walkers' motion, and its file."""
 
 from walkergen.files.report import Report
-from walkergen.guests.movie.film import Film, Made
+from walkergen.guests.movie.film import Film, MovieFiles
 from walkergen.guests.movie.shot import format_pace
 
 
-def make_report(film: Film, made: Made) -> Report:
+def make_report(film: Film, made: MovieFiles) -> Report:
     """Return the report of a written film: a line for each walker, then the files."""
     lines = []
     for shot in made.shots:

@@ -1,4 +1,4 @@
-"""Shot of one run in space for a movie: the printed mesh, its poses and the landings; its title and pace in words."""
+"""One run of the 3D simulation for a movie, a shot: the mesh, its poses and landings, and its title in words."""
 
 from typing import NamedTuple
 
@@ -127,16 +127,16 @@ def point_in_mesh(design: Design, mass: MassProperties) -> Array:
     return np.array([*-to_centre_frame(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
 
 
-def body_outline(shot: Shot, at: int) -> list[Array]:
-    """Return the polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
-    place: Array = shot.track[at]
-    heading = shot.poses.heading[at]
+def body_outline(shot: Shot, pose: int) -> list[Array]:
+    """Return the polygons of the body from above, shape (n, 2) each (x, y), mm. `pose`: index of the pose."""
+    place: Array = shot.track[pose]
+    heading = shot.poses.heading[pose]
     return [place + rotate(shot.base + contour, heading) for contour in shot.contours]
 
 
-def foot_edges(shot: Shot, at: int) -> Array:
-    """Return the edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
-    ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
+def foot_edges(shot: Shot, pose: int) -> Array:
+    """Return the edges of the feet from above, shape (feet, 2, 2), mm: each from its left to its right end (x, y)."""
+    ends: Array = shot.poses.corners[pose][:, [0, 2]] * (1.0, -1.0)
     return ends.reshape(-1, 2, 2)
 
 

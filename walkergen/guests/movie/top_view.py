@@ -1,4 +1,4 @@
-"""Walkers from above, to one scale: bodies, headings and trails, an arena for each."""
+"""Walkers from above, to one scale: bodies, headings, trails, an arena for each. `pose`: index of a pose in a run."""
 
 import math
 from collections.abc import Sequence
@@ -99,6 +99,7 @@ def make_draw_function(
         draw_legend(canvas, 20, footer_px - 14)
 
     def draw(frame: int) -> Pixels:
+        """Return the picture of a frame."""
         for arena in arenas:
             _show_pose(arena, min(frame * poses_per_frame, len(arena.shot.poses.times) - 1), glow)
         clock.set_text(f"{longest[min(frame * poses_per_frame, len(longest) - 1)]:7.3f} s")
@@ -115,19 +116,19 @@ def _shared_name(shots: Sequence[Shot]) -> str:
 def _window(shot: Shot, gap: float | None) -> Window:
     """Return the window that contains the body and its arrow during a whole run, and walls `gap` mm apart, if any."""
     shown = range(0, len(shot.poses.times), max(1, len(shot.poses.times) // 500))
-    covered = np.concatenate([np.vstack([*body_outline(shot, at), *_arrow_ends(shot, at)]) for at in shown])
+    covered = np.concatenate([np.vstack([*body_outline(shot, pose), *_arrow_ends(shot, pose)]) for pose in shown])
     margin = 0.08 * float(shot.size[0])
     low, high = covered.min(axis=0) - margin, covered.max(axis=0) + margin
     side = 0.0 if gap is None else 0.5 * gap + margin
     return Window(low[0], high[0], min(low[1], -side), max(high[1], side))
 
 
-def _arrow_ends(shot: Shot, at: int) -> Array:
-    """Return tail and tip of the heading's arrow at pose `at`, shape (2, 2), mm."""
+def _arrow_ends(shot: Shot, pose: int) -> Array:
+    """Return tail and tip of the heading's arrow at a pose, shape (2, 2), mm."""
     front, long = shot.base[0] + 0.5 * shot.size[0], ARROW_RATIO * shot.size[0]
     ends = np.array([(front, 0.0), (front + long, 0.0)])
-    place: Array = shot.track[at]
-    return place + rotate(ends, shot.poses.heading[at])
+    place: Array = shot.track[pose]
+    return place + rotate(ends, shot.poses.heading[pose])
 
 
 def _make_arena(
@@ -169,25 +170,25 @@ def _make_arena(
     return Arena(shot, axes, trail, dots, body, edges, arrow, flashes, readout)
 
 
-def _show_pose(arena: Arena, at: int, glow: float) -> None:
-    """Show pose `at` in an arena, and the impacts of the last `glow` seconds."""
+def _show_pose(arena: Arena, pose: int, glow: float) -> None:
+    """Show the pose with index `pose` in an arena, and the impacts of the last `glow` seconds."""
     shot = arena.shot
-    arena.body.set_verts(body_outline(shot, at))
-    arena.feet.set_segments(list(foot_edges(shot, at)))
+    arena.body.set_verts(body_outline(shot, pose))
+    arena.feet.set_segments(list(foot_edges(shot, pose)))
     for line in (arena.trail, arena.dots):
-        line.set_data(*shot.track[: at + 1].T)
-    tail, tip = _arrow_ends(shot, at)
+        line.set_data(*shot.track[: pose + 1].T)
+    tail, tip = _arrow_ends(shot, pose)
     arena.arrow.set_positions(tuple(tail), tuple(tip))
-    _show_flashes(arena, at, glow)
-    arena.readout.set_text(_format_readout(shot, at))
+    _show_flashes(arena, pose, glow)
+    arena.readout.set_text(_format_readout(shot, pose))
 
 
-def _show_flashes(arena: Arena, at: int, glow: float) -> None:
-    """Show the impacts of the last `glow` seconds before pose `at`; none for 0."""
+def _show_flashes(arena: Arena, pose: int, glow: float) -> None:
+    """Show the impacts of the last `glow` seconds before a pose; none if `glow` is 0."""
     shot, largest = arena.shot, largest_impulse(arena.shot)
-    ends: Array = foot_edges(shot, at).reshape(-1, 2)
+    ends: Array = foot_edges(shot, pose).reshape(-1, 2)
     for corner, flash in enumerate(arena.flashes):
-        shown = strongest_impact(shot, shot.poses.times[at], glow, corner) if glow > 0.0 else None
+        shown = strongest_impact(shot, shot.poses.times[pose], glow, corner) if glow > 0.0 else None
         flash.set_visible(shown is not None)
         if shown is not None:
             hit, brightness = shown
@@ -196,13 +197,13 @@ def _show_flashes(arena: Arena, at: int, glow: float) -> None:
             flash.set(color=impact_style(hit.kind).colour, markersize=26.0 * math.sqrt(size) * brightness)
 
 
-def _format_readout(shot: Shot, at: int) -> str:
-    """Format heading, distance and mean speed at pose `at`, and why the run ended."""
-    time, distance = float(shot.poses.times[at]), float(shot.advance[at])
-    words = f"heading {np.degrees(shot.poses.heading[at]):+6.1f}°  ran {distance:7.1f} mm"
+def _format_readout(shot: Shot, pose: int) -> str:
+    """Format heading, distance and mean speed at a pose and, at the last one, why the run ended."""
+    time, distance = float(shot.poses.times[pose]), float(shot.advance[pose])
+    words = f"heading {np.degrees(shot.poses.heading[pose]):+6.1f}°  ran {distance:7.1f} mm"
     if time > 0:
         words += f"  {distance / time:6.1f} mm/s so far"
-    if at == len(shot.poses.times) - 1 and shot.ended:
+    if pose == len(shot.poses.times) - 1 and shot.ended:
         words = f"{shot.ended} at {time:.2f} s  {words}"
     return words
 
