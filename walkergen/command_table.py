@@ -102,7 +102,7 @@ def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
             return f"--no-{name.replace('_', '-')}"
         return (names or {}).get(name, f"--{name.replace('_', '-')}") + (" " if value else "")
 
-    return FIELD_PATTERN.sub(replacement, text.replace(COMMAND_LINE_SOURCE, COMMAND_LINE_SOURCE[1:-1]))
+    return FIELD_PATTERN.sub(replacement, text.replace(COMMAND_LINE_SOURCE, COMMAND_LINE_SOURCE[1:-1]))  # without ‹›
 
 
 def for_call(text: str, sets: Mapping[str, str]) -> str:

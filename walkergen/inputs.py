@@ -34,7 +34,7 @@ class Inputs(NamedTuple):
     values: Mapping[str, Any]
     """Values by dotted keys; those of a scene and a printer begin with these words."""
     fields: Mapping[str, str]
-    """Fields that gave them, with their values, by key."""
+    """Fields that gave them, as text such as ‹gamma=›2 for messages, by key."""
     notes: list[str]
     """Notes for a person on the walkers that were read: a line each is added."""
     asks: bool
@@ -53,8 +53,8 @@ class Inputs(NamedTuple):
         known = not isinstance(source, str) or templates.is_path(source)
         if not known and source not in templates.all_names("walkers"):
             _confirm_text(source, self.asks)
-            own = {key: self.values[key] for key in self.keys_of("design")}
-            design = assignments.replace_values(Design.from_text(source), own, COMMAND_LINE_SOURCE)
+            values = {key: self.values[key] for key in self.keys_of("design")}
+            design = assignments.replace_values(Design.from_text(source), values, COMMAND_LINE_SOURCE)
         else:
             design = self._load_input(source, "walkers", Design, "design")
         if design.weighed.has_masses:
@@ -72,8 +72,8 @@ class Inputs(NamedTuple):
         """
         from walkergen.core.scene import Scene
 
-        own = {key: value for key, value in (otherwise or {}).items() if not _setting_key(self.values, key)}
-        return self._replace(values={**self.values, **own})._load_input(source, "scenes", Scene, "scene")
+        defaults = {key: value for key, value in (otherwise or {}).items() if not _setting_key(self.values, key)}
+        return self._replace(values={**self.values, **defaults})._load_input(source, "scenes", Scene, "scene")
 
     def printer(self, source: Any) -> "Printer":
         """Return the printer of a source (Printer, template's name or path), with the request's values for its keys."""
@@ -100,9 +100,9 @@ class Inputs(NamedTuple):
         from walkergen.files import templates
 
         prefix = "" if thing == "design" else f"{thing}."
-        own = {key.removeprefix(prefix): self.values[key] for key in self.keys_of(thing)}
+        values = {key.removeprefix(prefix): self.values[key] for key in self.keys_of(thing)}
         if isinstance(source, model):
-            return assignments.replace_values(source, own, COMMAND_LINE_SOURCE, prefix)
+            return assignments.replace_values(source, values, COMMAND_LINE_SOURCE, prefix)
         if not isinstance(source, (str, Path)):
             raise InputError(
                 f"{thing}: {type(source).__name__} seen: must be a {model.__name__}, the name of a "
@@ -110,7 +110,7 @@ class Inputs(NamedTuple):
                 thing,
             )
         return assignments.read_with_values(
-            templates.resolve_path(source, folder), model, own, COMMAND_LINE_SOURCE, prefix
+            templates.resolve_path(source, folder), model, values, COMMAND_LINE_SOURCE, prefix
         )
 
     def keys_of(self, thing: str) -> list[str]:
@@ -216,8 +216,8 @@ def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, A
         name = f"‹set› {key[:60]}"
         if section_of(key) not in things:
             known = " and the ".join(things)
-            told = f"‹set› {key[:60]}: this command takes no {section_of(key)}; it has keys of the {known}"
-            raise InputError(told, key)
+            message = f"‹set› {key[:60]}: this command takes no {section_of(key)}; it has keys of the {known}"
+            raise InputError(message, key)
         for other, first in names.items():
             if other == key or _is_within(key, other) or _is_within(other, key):
                 raise InputError(f"{name}: {first} sets it too. Remove one of them.", key)
@@ -276,11 +276,11 @@ def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]
 
 
 @contextmanager
-def open_pool(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
+def open_pool(in_process: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
     """Open a pool of worker processes, or connect to a dask cluster at the address `dask`.
 
-    Yields None if `few` and no number of workers is given: this process is then faster. Raises InputError if `workers`
-    and `dask` are both given, or the cluster does not answer.
+    Yields None if `in_process` and no number of workers is given: this process then does the work. Raises InputError
+    if `workers` and `dask` are both given, or the cluster does not answer.
     """
     from walkergen.points import worker_pool
 
@@ -292,7 +292,7 @@ def open_pool(few: bool, workers: int | None, dask: str | None = None) -> "Itera
             )
         with worker_pool.dask_pool(dask) as pool:
             yield pool
-    elif few and workers is None:
+    elif in_process and workers is None:
         yield None
     else:
         with worker_pool.local_pool(workers) as pool:

@@ -19,7 +19,7 @@ SLACK = 200
 LIMITS = {
     "walkergen/analysis": 5260,
     "walkergen/api": 300,
-    "walkergen/app": 2660,
+    "walkergen/app": 2670,
     "walkergen/cli": 870,
     "walkergen/commands": 8140,
     "walkergen/core": 17620,

@@ -34,20 +34,20 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
     design, scene = document.load_design(), document.load_scene()
     if not design.follows:
         return None
-    far = max(MAX_CURVE_TILT_DEG, abs(design.tilt_deg))
+    steepest = max(MAX_CURVE_TILT_DEG, abs(design.tilt_deg))
 
     def with_tilt(tilt_deg: float) -> Design:
         return design.unmarked.variant(tilt_deg=tilt_deg)
 
-    low = nearest(with_tilt, design.tilt_deg, -far if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
+    low = nearest(with_tilt, design.tilt_deg, -steepest if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
     sections = (design.unmarked.variant(tilt_deg=low), scene)
     walker, ground = (section.model_dump_json(exclude_unset=True) for section in sections)
-    high = nearest(with_tilt, design.tilt_deg, far, TILT_TOLERANCE_DEG)
+    high = nearest(with_tilt, design.tilt_deg, steepest, TILT_TOLERANCE_DEG)
     return _compute_curve(walker, ground, design.body.key, low, high, rough) if low < high else None
 
 
 def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:
-    """Return the speed curve under the key "curve", since an answer of None alone means a closed page."""
+    """Return the speed curve under the key "curve". A bare None would count as a closed page."""
     return {"curve": speed_curve(document, rough)}
 
 

@@ -129,11 +129,11 @@ class Document(NamedTuple):
 
     def _load_section(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
         """Load the template or file `name` of a kind ("walkers", ...) with the page's values under `prefix`."""
-        own = self.prefixed_values(prefix)
+        values = self.prefixed_values(prefix)
         if name in _template_names(kind):
-            read: Model = _load_template(name, kind, model, json.dumps(own), prefix)
+            read: Model = _load_template(name, kind, model, json.dumps(values), prefix)
             return read
-        return assignments.read_with_values(templates.resolve_path(name, kind), model, own, SOURCE, prefix)
+        return assignments.read_with_values(templates.resolve_path(name, kind), model, values, SOURCE, prefix)
 
 
 @cache
@@ -143,10 +143,10 @@ def _template_names(kind: str) -> frozenset[str]:
 
 
 @lru_cache(maxsize=MAX_CACHED_TEMPLATES)
-def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
-    """Load a template with changed values, by key, given as JSON text so that calls can be cached."""
+def _load_template(name: str, kind: str, model: type[Model], values_json: str, prefix: str) -> Model:
+    """Load a template with changed values. `values_json`: values by key as JSON text, so that calls can be cached."""
     settings, data = _load_defaults(name, kind, model)
-    changed: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
+    changed: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(values_json), SOURCE, prefix)
     return changed
 
 
@@ -190,9 +190,9 @@ def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
     Tables and lists are converted recursively. Raises InputError for other files, and for values that TOML lacks.
     """
     if isinstance(value, dict):
-        return {_check_text(inner): _resolve_files(inner, own, uploads) for inner, own in value.items()}
+        return {_check_text(inner): _resolve_files(inner, entry, uploads) for inner, entry in value.items()}
     if isinstance(value, list):
-        return [_resolve_files(key, own, uploads) for own in value]
+        return [_resolve_files(key, entry, uploads) for entry in value]
     if value is None:
         raise InputError(f"{SOURCE}: {_check_text(key)[:60]}: no value. Remove the key.", key)
     if isinstance(value, float) and not math.isfinite(value):
@@ -256,10 +256,10 @@ def format_value(value: Any) -> str:
 def _format_toml(value: Any) -> Iterator[str]:
     """Yield the pieces of a JSON value in inline TOML."""
     if isinstance(value, Mapping):
-        pairs = (f"{_format_key(key)} = {''.join(_format_toml(own))}" for key, own in value.items())
+        pairs = (f"{_format_key(key)} = {''.join(_format_toml(inner))}" for key, inner in value.items())
         yield "{" + ", ".join(pairs) + "}"
     elif isinstance(value, Sequence) and not isinstance(value, str):
-        yield "[" + ", ".join("".join(_format_toml(own)) for own in value) + "]"
+        yield "[" + ", ".join("".join(_format_toml(inner)) for inner in value) + "]"
     else:
         yield _quote(value)
 

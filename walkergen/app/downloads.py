@@ -140,6 +140,6 @@ def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
         raise InputError(f"{documents.SOURCE}: {design.name}: its legs have no common tilt to search")
     words = SWEEP_OPTIONS[key]
     varied = {word.partition("=")[0] for word in words}
-    fixed = document._replace(values={name: own for name, own in document.values.items() if name not in varied})
+    fixed = document._replace(values={name: value for name, value in document.values.items() if name not in varied})
     words += ("--keep", "speed,spread,printability", f"--wish={speed!r}")
     return documents.arguments(fixed, "sweep", *words, "--no-pictures", "--json", "--out", str(folder))

@@ -114,8 +114,8 @@ def to_dict(document: Document) -> dict[str, Any]:
 
 def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
     """Yield the groups of the tables in `section`, then of its own keys. `prefix`: of these keys, such as "scene."."""
-    own, inner, absent = [], [], []
-    idle = section.idle if isinstance(section, Body) else ()
+    own, inner, absent = [], [], []  # controls, (table, prefix, title, key if optional) and groups of missing tables
+    idle = section.idle if isinstance(section, Body) else ()  # keys without effect on this shape
     for name, field in type(section).model_fields.items():
         value, heading = getattr(section, name), f"{title}: {name}"
         if name in idle or isinstance(value, Family):
@@ -171,7 +171,7 @@ def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
     choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
     low, high = _find_limit(metadata, ("ge", "gt")), _find_limit(metadata, ("le", "lt"))
     optional = type(None) in types
-    plain = Control(key, name, unit, "text", value, note, low, high, None, (), optional)
+    plain = Control(key, name, unit, "text", value, note, low, high, optional=optional)
     if choices:
         return plain._replace(kind="choice", choices=choices)
     if bool in types:
@@ -202,7 +202,7 @@ def _types_and_limits(field: Any) -> tuple[list[Any], list[Any]]:
         types.append(each)
         if get_origin(each) not in (Literal, list):
             rest += get_args(each)
-    return types, [own for item in metadata for own in getattr(item, "metadata", None) or [item]]
+    return types, [limit for item in metadata for limit in getattr(item, "metadata", None) or [item]]
 
 
 def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
@@ -254,7 +254,7 @@ def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
     """
     design = document.load_design()
     length, thickness, depth = (round(extent, 1) for extent in design.size)
-    x, y, z = 0.5 * length, 0.5 * thickness, 0.75 * depth
+    x, y, z = 0.5 * length, 0.5 * thickness, 0.75 * depth  # half extents of the corners, mm
     bodies: dict[str, dict[str, Any]] = {
         "side view": {"length_mm": length, "depth_mm": depth, "thickness_mm": thickness},
         "side view by corners": {"profile_mm": [[-x, -y], [x, -y], [0.7 * x, y], [-0.7 * x, y]], "depth_mm": depth},
@@ -276,8 +276,8 @@ def _round_lengths(value: Any) -> Any:
     if isinstance(value, float):
         return round(value, 1)
     if isinstance(value, dict):
-        return {key: _round_lengths(own) for key, own in value.items()}
-    return [_round_lengths(own) for own in value] if isinstance(value, list) else value
+        return {key: _round_lengths(entry) for key, entry in value.items()}
+    return [_round_lengths(entry) for entry in value] if isinstance(value, list) else value
 
 
 def legs_as_list(document: Document) -> list[dict[str, Any]]:

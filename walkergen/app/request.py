@@ -40,5 +40,5 @@ class AppRequest(request.Request):
         scene = request.choose_scene(self.scene, [given.design(self.design)])
         given.scene(scene), given.printer(self.printer)
         document = Document(self.design, scene, self.printer, given.values)
-        anew = document != Document(request.PAPER_WALKER, request.LANE_SCENE, request.DEFAULT_PRINTER, {})
-        server_process.serve(document, anew, FOLDER, self.host, self.port, self.browser)
+        changed = document != Document(request.PAPER_WALKER, request.LANE_SCENE, request.DEFAULT_PRINTER, {})
+        server_process.serve(document, changed, FOLDER, self.host, self.port, self.browser)

@@ -155,7 +155,7 @@ def _yes_or_no(word: str) -> str:
 def _format_key(match: re.Match[str]) -> str:
     """Return the replacement for a matched word: the name in words for a file's key, else the word itself."""
     key = match[0].removeprefix("scene.").removeprefix("printer.")
-    if key.isidentifier() and key != match[0]:  # a table
+    if key.isidentifier() and key != match[0]:  # a table, as scene.drive
         return key
     if ("." not in key and "_" not in key) or re.sub(r"\[\d+\]", "", key) not in _file_keys():
         return match[0]

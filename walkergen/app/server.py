@@ -58,6 +58,7 @@ Result = TypeVar("Result")
 Endpoint = Callable[[Server, Request], Awaitable[Response]]
 MessageFields = dict[str, Any]
 WorkArgument = Callable[[Server, MessageFields], Any]
+"""Function that returns an argument for work in another process, from the fields of the page's message."""
 
 
 def application(server: Server) -> Any:
@@ -88,7 +89,7 @@ def application(server: Server) -> Any:
         *static_files.routes(),
     ]
     word = (server.once or "").encode()
-    used: list[bytes] = []
+    used: list[bytes] = []  # the word after its first use
 
     def redirect_once(request: Request) -> Response:
         """Redirect the first request that has the right secret word to the page, and refuse all others."""
@@ -156,8 +157,8 @@ def _load_saved(server: Server) -> Any:
         document = documents.from_message(kept, server.place)
     except WalkergenError:
         return None
-    same = document[:3] == server.first[:3] and server.first.values == START_VALUES
-    return kept if same or not server.anew else None
+    same_files = document[:3] == server.first[:3] and server.first.values == START_VALUES
+    return kept if same_files or not server.anew else None
 
 
 async def _save_document(server: Server, request: Request) -> Response:
@@ -170,7 +171,7 @@ async def _save_document(server: Server, request: Request) -> Response:
 
 
 async def _send_walker(server: Server, request: Request) -> Response:
-    """Send facts on the walker and its triangles: a line of JSON, then little-endian numbers."""
+    """Send facts on the walker as a line of JSON, then its triangles as bytes (see `walker_answers.pack_walker`)."""
     document, _ = await _read_request(server, request)
     packed = await _await_work(server.steps, request, walker_answers.pack_walker, document)
     return Response(packed, media_type="application/octet-stream")
@@ -209,7 +210,7 @@ async def _run_on_document(
 ) -> Result:
     """Call `work` in another process with the page's document and the results of `extra_arguments` for this request."""
     document, fields = await _read_request(server, request)
-    return await _await_work(server.workers, request, work, document, *(one(server, fields) for one in extra_arguments))
+    return await _await_work(server.workers, request, work, document, *(get(server, fields) for get in extra_arguments))
 
 
 def _answer_endpoint(work: Callable[..., Any], *extra_arguments: WorkArgument, key: str = "") -> Endpoint:

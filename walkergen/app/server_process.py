@@ -70,20 +70,20 @@ def serve(start: Document, anew: bool, folder: Path, host: str, port: int, brows
     `anew`: True to replace the saved document. `folder`: for all output. `browser`: True to open the page. Raises
     InputError for an unusable `host` or `port`.
     """
-    own = None if start.walker in templates.names("walkers") else start.walker
+    own_file = None if start.walker in templates.names("walkers") else start.walker
     first = start._replace(values=servers.START_VALUES | dict(start.values))
-    away = _is_remote(host)
+    remote = _is_remote(host)
     listening = _open_socket(host, port)
     port = listening.getsockname()[1]
-    names = (host,) if away else (host, *LOOPBACK)
-    served = servers.make_server(folder, _allowed_hosts(names, port), first, own, away, anew)
+    names = (host,) if remote else (host, *LOOPBACK)
+    served = servers.make_server(folder, _allowed_hosts(names, port), first, own_file, remote, anew)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
     address = f"http://{_bracket_ipv6(host)}:{port}/{path}"
     for workers in (served.steps, served.workers):
         workers.start()
     print(f"the page: {address}", flush=True)
-    print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C stops it", flush=True)
-    if browser and not away:
+    print("Ctrl-C ends it" if not remote else "for one device, once; Ctrl-C stops it", flush=True)
+    if browser and not remote:
         threading.Timer(0.3, webbrowser.open, [address]).start()
     with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C ends the server
         from walkergen.app import server  # this import takes as long as the browser takes to start

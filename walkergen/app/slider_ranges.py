@@ -34,8 +34,8 @@ def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[fl
             continue
         if time.process_time() > end:
             break
-        value, at = float(control.value), partial(_design_with, document, key)
-        low, high = (nearest(at, value, far, ERROR * abs(far - value)) for far in control.slider)
+        value, design_at = float(control.value), partial(_design_with, document, key)
+        low, high = (nearest(design_at, value, far, ERROR * abs(far - value)) for far in control.slider)
         if high - low > MIN_RANGE_SHARE * (control.slider[1] - control.slider[0]):
             ranges[key] = (low, high)
     return ranges
@@ -62,5 +62,5 @@ def nearest(design_at: Callable[[float], Design], near: float, far: float, error
 
 
 def _design_with(document: Document, key: str, value: float) -> Design:
-    """Return the document's walker with another value of a key, without marks."""
+    """Return the document's walker with another value of a key, without engraved marks."""
     return document._replace(values={**document.values, key: value}).load_design().unmarked

@@ -21,20 +21,20 @@ ASSETS = {
 
 def routes() -> list[Route]:
     """Return the routes to the page's files."""
-    scripts = [Route(f"/{name}", _asset) for name in ASSETS]
-    return [*scripts, Route("/", _page), Route("/viewer.js", _viewer)]
+    scripts = [Route(f"/{name}", _send_asset) for name in ASSETS]
+    return [*scripts, Route("/", _send_page), Route("/viewer.js", _send_viewer_script)]
 
 
-def _page(request: Request) -> Response:
+def _send_page(request: Request) -> Response:
     return Response(_asset_bytes("app.html"), media_type="text/html; charset=utf-8")
 
 
-def _asset(request: Request) -> Response:
+def _send_asset(request: Request) -> Response:
     name = request.url.path.rpartition("/")[2]
     return Response(_asset_bytes(name), media_type=f"{ASSETS[name]}; charset=utf-8")
 
 
-def _viewer(request: Request) -> Response:
+def _send_viewer_script(request: Request) -> Response:
     return Response(viewer.viewer_script(), media_type="text/javascript; charset=utf-8")
 
 

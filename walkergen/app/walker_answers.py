@@ -192,6 +192,7 @@ def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
     x, y = 0.5 * length, 0.5 * thickness
 
     def dimension(start: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
+        """Return the dimension line between two points (x, y, z), mm."""
         text = f"{np.linalg.norm(np.subtract(end, start)):.4g} mm"
         return {"from": list(start), "to": list(end), "text": text}
 

@@ -145,7 +145,10 @@ def _stop_worker(worker: Worker) -> None:
 
 
 def _request_answer(worker: Worker, work: Callable[..., Any], arguments: Any, gone: threading.Event) -> Any:
-    """Let a process call `work`. Return its result or error. Raises InputError if the process ends or is too slow."""
+    """Let a process call `work`. Return its result, or the error that it raised, as a value.
+
+    Return ABANDONED_ERROR if `gone` is set: the page is closed. Raises InputError if the process ends or is too slow.
+    """
     late = InputError(f"{SOURCE}: this takes longer than {MAX_ANSWER_CPU_S:g} s. Make the shape simpler, or smaller.")
     try:
         if not worker.ready:

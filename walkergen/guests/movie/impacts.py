@@ -169,7 +169,7 @@ def add_flash(axes: Axes) -> Flash:
 
 
 def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tail: Array, foot: Array) -> None:
-    """Show a burst at `foot`, an arrow from `tail` to it, (x, y) each; sizes: impulse / `largest`; `brightness`: 0..1."""
+    """Show a burst at `foot`, an arrow from `tail`, both (x, y), of size impulse / `largest`. `brightness`: 0..1."""
     colour, size = impact_style(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
     flash.arrow.set_positions(tuple(tail), tuple(foot))
     flash.arrow.set(color=colour, alpha=brightness, linewidth=0.5 + 3.0 * size)
