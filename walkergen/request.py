@@ -124,7 +124,7 @@ class Request(BaseModel):
         return report
 
     def do_work(self, progress: Progress, *more: Any) -> Any:
-        """Import the module `make` of the request's folder, call its `run(self, progress, *more)`, return the result."""
+        """Import the module `make` of the request's folder, call its `run(self, progress, *more)` and return that."""
         return import_module(f"{type(self).__module__.rpartition('.')[0]}.make").run(self, progress, *more)
 
     def output_folder(self, default: Path) -> Path | None:

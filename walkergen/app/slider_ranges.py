@@ -62,5 +62,5 @@ def nearest(design_at: Callable[[float], Design], near: float, far: float, error
 
 
 def _design_with(document: Document, key: str, value: float) -> Design:
-    """Return the document's walker with another value of a key, without engraved marks."""
+    """Return the document's walker with another value of a key, without marks of its tilt."""
     return document._replace(values={**document.values, key: value}).load_design().unmarked
