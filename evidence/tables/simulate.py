@@ -1,8 +1,9 @@
 """Simulation of the rows that the surrogate learns from: `python -m evidence.tables.simulate --out FILE`.
 
-Each row of rows.csv states its setting, so all can be simulated again, in five hours of one core; they are added to
-the file one by one, and a run that was killed goes on after the last of them. With `--sampled N` new settings
-are drawn (`settings.draw_settings`), held-out ones among them.
+Each row of rows.csv states its setting, so all can be simulated again, in some four hours of one core. Rows are added
+to the file one by one, and a run that was killed goes on after the last of them. With `--sampled N` new settings are
+drawn (`settings.draw_settings`), held-out ones among them. With `--uncertain N` only those of N new settings are
+simulated of which today's surrogate is neither sure nor ignorant: they reduce its error most for their time.
 """
 
 import argparse
@@ -17,8 +18,10 @@ from walkergen.cli import console
 from walkergen.core import measure
 from walkergen.core.errors import WalkergenError
 from walkergen.core.simulation.run import Outcome
+from walkergen.core.theory import surrogate
+from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, NORMAL_95, UnknownError
 from walkergen.core.walker import solids
-from walkergen.points import walkers, worker_pool
+from walkergen.points import run_time, walkers, worker_pool
 from walkergen.points.experiments import Walker
 
 ROWS_PATH = Path(__file__).with_name("rows.csv")
@@ -28,6 +31,12 @@ RESULT_COLUMNS = ("speed_mm_s", "se_mm_s", "runs", "toppled")
 toppled; blank where there is none."""
 
 COLUMNS = ("held_out", *settings.KEYS, *RESULT_COLUMNS)
+
+UNCERTAIN_RANGE = 0.7, 8.0
+"""Error of the surrogate, over the largest of its answers, from and to which a setting counts as uncertain."""
+
+MAX_ROW_CPU_S = 1.0
+"""Largest CPU time, from the number of steps, of an uncertain setting that is simulated, s."""
 
 CHUNK = 4
 """Rows that a worker takes at a time."""
@@ -65,6 +74,24 @@ def sample_settings(count: int) -> Iterator[Row]:
         yield row
 
 
+def is_uncertain(row: Row) -> bool:
+    """Return whether today's surrogate is uncertain of a setting that takes little time to simulate."""
+    case = settings.make_case(row)
+    walker = Walker(case.scene, case.design, solids.mass_of(case.design))
+    run = case.scene.run
+    try:
+        cpu_s = run.runs * (run.seconds + run.discard_seconds) * run_time.rate_from_steps(walker.plan())
+        if cpu_s > MAX_ROW_CPU_S:
+            return False
+        speed, se = surrogate.case_in_domain(*walker[:3], within_goal=False).nominal
+    except UnknownError as error:
+        return error.near is not None
+    except WalkergenError:
+        return False
+    ratio = NORMAL_95 * se / max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S)
+    return UNCERTAIN_RANGE[0] < ratio < UNCERTAIN_RANGE[1]
+
+
 def csv_row(row: Row) -> list[str]:
     """Cells of a row, numbers with five digits."""
     return ["" if (value := row[name]) is None else f"{value:.5g}" for name in COLUMNS]
@@ -86,9 +113,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cores", type=int, default=measure.core_count(), help="processes to simulate in")
     parser.add_argument("--sampled", type=int, help="number of new settings to draw; without: those of rows.csv")
+    parser.add_argument("--uncertain", type=int, help="number of new settings to draw; uncertain ones are simulated")
     parser.add_argument("--out", type=Path, required=True, help="file of the rows")
     options = parser.parse_args()
-    wanted = read_rows() if options.sampled is None else list(sample_settings(options.sampled))
+    if options.uncertain is not None:
+        drawn = settings.draw_settings(options.uncertain, settings.SEED + 3, held_out=False)
+        wanted = list(filter(is_uncertain, drawn))
+    else:
+        wanted = read_rows() if options.sampled is None else list(sample_settings(options.sampled))
     done = len(read_rows(options.out)) if options.out.exists() else 0
     if not done:
         options.out.write_text(",".join(COLUMNS) + "\n", encoding="utf-8")

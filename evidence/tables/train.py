@@ -1,7 +1,8 @@
 """Training of the surrogate on the rows: `python -m evidence.tables.train` writes walkergen/core/theory/surrogate.npz.
 
-Ten networks, each without two tenths of the rows; a few smaller ones say where walkers fall. What the ten
-differ by, times a factor, and a least error are fitted to held-out rows, which no network has seen.
+Ten networks give speeds, each trained without two tenths of the rows. Smaller networks learn how far these are off at
+the rows that they were trained without, and others where walkers fall. Two factors, of the ten networks' standard
+deviation and of the learnt error, are fitted to held-out rows, which no network was trained on.
 """
 
 import io
@@ -9,7 +10,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,14 @@ from walkergen.core.theory import dimensionless as places
 from walkergen.core.theory import networks
 from walkergen.core.theory.dimensionless import Place
 from walkergen.core.theory.networks import LINEAR_BELOW, Layer
-from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, MAX_FALL_CHANCE, NORMAL_95
+from walkergen.core.theory.surrogate import (
+    GOAL_MM_S,
+    GOAL_SHARE,
+    MAX_ERROR_MM_S,
+    MAX_ERROR_SHARE,
+    MAX_FALL_CHANCE,
+    NORMAL_95,
+)
 from walkergen.core.walker import solids
 from walkergen.core.walker.limbs import Kind
 from walkergen.points import worker_pool
@@ -31,19 +39,34 @@ Array = npt.NDArray[Any]
 NETWORKS, TENTHS_LEFT_OUT = 10, 2
 """Number of networks, and of the tenths of the rows that each is trained without."""
 
-HIDDEN_LAYERS: Mapping[Kind, tuple[int, ...]] = {"flexible": (64, 64, 64), "braced": (12, 12)}
-FALL_LAYERS = (24, 24)
-"""Widths of the networks' layers; of those that know where walkers fall."""
+HIDDEN_LAYERS: Mapping[Kind, tuple[int, ...]] = {"flexible": (96, 96, 96), "braced": (12, 12)}
+ERROR_LAYERS, ERROR_NETWORKS = (32, 32), 2
+FALL_LAYERS, FALL_NETWORKS = (48, 48), 4
+"""Widths of the hidden layers of networks of the speed, of its error and of the chance of a fall; numbers of the last
+two."""
 
-EPOCHS, BATCH, RATE, DECAY, WARM_UP_STEPS = 600, 256, 0.003, 0.12, 300
-"""Passes through the rows, rows of a step, its first length, share of it that weights shrink by, and steps while
-it grows: Adam (Kingma and Ba, arXiv 1412.6980) with decay apart (Loshchilov and Hutter, arXiv 1711.05101)."""
+EPOCHS: Mapping[Kind, int] = {"flexible": 300, "braced": 600}
+ERROR_EPOCHS_SHARE = 0.2
+"""Passes through the rows, and the share of them that networks of the error make."""
 
-NETWORK_ERROR = 0.08
-"""Error (after asinh) of every row in addition to its own noise: so much the networks err, and a row of less noise
-counts for no more."""
+BATCH, RATE, WARM_UP_STEPS, DECAY, ERROR_DECAY = 256, 0.003, 300, 0.12, 0.5
+"""Rows of a step, its largest length, steps while it grows, and the share of it that weights shrink by: Adam (Kingma
+and Ba, arXiv 1412.6980) with decoupled decay (Loshchilov and Hutter, arXiv 1711.05101)."""
 
-CALIBRATED_SHARE = 0.5
+NETWORK_ERROR = 0.05
+"""Error (after asinh) of every row in addition to its own noise. Rows with less noise have no more weight."""
+
+LINEAR_LOSS_ABOVE = 0.05
+"""Error (after asinh) above which the loss grows in proportion to it (pseudo-Huber): a few walkers have two stable
+motions, and their squared errors would outweigh all other rows."""
+
+MIN_LEVEL = 0.05
+"""Smallest factor of a row's speed, which vanishes without tilt, whose error is learnt."""
+
+ERROR_FREEDOM = 3.0
+"""Degrees of freedom of Student's t, which errors at unseen rows follow over their learnt scale."""
+
+CALIBRATED_SHARE = 0.65
 """Share of the unseen rows, those of least error, that the 95 % bounds are calibrated on."""
 
 MAX_ROW_SE = 0.5
@@ -80,17 +103,19 @@ class Rows(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What a network shall give."""
+    """Training of one network."""
 
+    output: Literal["speed", "error", "chance"]
+    """Output: a speed after asinh, the logarithm of its error, or the log-odds of a fall."""
     inputs: Array
     factors: Array
     """Factors of the outputs, whose weighted sum is the value; shape (n, outputs)."""
     values: Array
+    """Values to learn, shape (n,): speeds, errors that were made, or whether a run fell."""
     weights: Array
-    """What an error counts, shape (n,)."""
+    """Weights of the rows, shape (n,); for errors the variance of their noise."""
     hidden: tuple[int, ...]
-    chance: bool
-    """Whether values are chances, learnt by their cross entropy, not by squared errors."""
+    epochs: int
     seed: int
 
 
@@ -101,8 +126,6 @@ class Unseen(NamedTuple):
     factors: Array
     values: Array
     se: Array
-    scatter: Array
-    """Standard deviation of a run, by the smooth function."""
 
 
 def load_rows(kind: Kind) -> Rows:
@@ -120,7 +143,7 @@ def load_rows(kind: Kind) -> Rows:
 
 
 def train_network(task: Task) -> list[Layer]:
-    """Network of least weighted error, on one thread: several are trained at a time."""
+    """Train one network on one thread: several are trained at a time."""
     from threadpoolctl import threadpool_limits
 
     rng = np.random.default_rng(task.seed)
@@ -129,12 +152,14 @@ def train_network(task: Task) -> list[Layer]:
     for wide, high in pairwise(sizes):
         numbers += [rng.normal(0.0, wide**-0.5, (wide, high)).astype(np.float32), np.zeros((1, high), np.float32)]
     first, second = ([np.zeros_like(number) for number in numbers] for _ in range(2))
-    inputs, factors, values, weights_of = (np.asarray(part, np.float32) for part in task[:4])
+    if task.output == "error":
+        numbers[-1] += np.float32(math.log(np.median(np.abs(task.values))))
+    inputs, factors, values, weights_of = (np.asarray(part, np.float32) for part in task[1:5])
     single = task._replace(inputs=inputs, factors=factors, values=values, weights=weights_of)
-    batches = len(task.values) // min(BATCH, len(task.values))
-    steps, step = EPOCHS * batches, 0
+    batches, decay = len(task.values) // min(BATCH, len(task.values)), ERROR_DECAY if task.output == "error" else DECAY
+    steps, step = task.epochs * batches, 0
     with threadpool_limits(1):
-        for _ in range(EPOCHS):
+        for _ in range(task.epochs):
             for chosen in np.array_split(rng.permutation(len(task.values)), batches):
                 step += 1
                 rate = RATE * 0.5 * (1.0 + math.cos(math.pi * step / steps)) * min(1.0, step / WARM_UP_STEPS)
@@ -142,29 +167,44 @@ def train_network(task: Task) -> list[Layer]:
                     first[k] += 0.1 * (slope - first[k])
                     second[k] += 0.001 * (slope**2 - second[k])
                     mean, square = first[k] / (1.0 - 0.9**step), second[k] / (1.0 - 0.999**step)
-                    shrink = DECAY * numbers[k] if k % 2 == 0 else 0.0
+                    shrink = decay * numbers[k] if k % 2 == 0 else 0.0
                     numbers[k] -= np.float32(rate) * (mean / (np.sqrt(square) + 1e-8) + shrink).astype(np.float32)
     return [Layer(weights, bias) for weights, bias in zip(numbers[::2], numbers[1::2], strict=True)]
 
 
 def _loss_gradient(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
-    """Compute the derivatives of the mean loss of some rows by a network's numbers, in their order."""
-    passed = [task.inputs[chosen]]
+    """Compute the derivatives of the mean loss of some rows by a network's weights and biases, in their order."""
+    layer_inputs, activation_slopes = [task.inputs[chosen]], []
     for weights, bias in zip(numbers[:-2:2], numbers[1:-2:2], strict=True):
-        passed.append(np.tanh(passed[-1] @ weights + bias))
+        raw = layer_inputs[-1] @ weights + bias
+        gate = 0.5 + 0.5 * np.tanh(0.5 * raw)
+        layer_inputs.append(raw * gate)
+        activation_slopes.append(gate * (1.0 + raw * (1.0 - gate)))
     factors = task.factors[chosen]
-    value = ((passed[-1] @ numbers[-2] + numbers[-1]) * factors).sum(axis=1)
-    value = 1.0 / (1.0 + np.exp(-value)) if task.chance else value
-    back = (task.weights[chosen] * (value - task.values[chosen]))[:, None] * factors / len(chosen)
+    value = ((layer_inputs[-1] @ numbers[-2] + numbers[-1]) * factors).sum(axis=1)
+    back = _loss_slope(task, value, chosen)[:, None] * factors / len(chosen)
     slopes: list[Array] = []
-    for place in range(len(passed) - 1, -1, -1):
-        slopes = [passed[place].T @ back, back.sum(axis=0, keepdims=True), *slopes]
-        back = (back @ numbers[2 * place].T) * (1.0 - passed[place] ** 2)
+    for layer in range(len(layer_inputs) - 1, -1, -1):
+        slopes = [layer_inputs[layer].T @ back, back.sum(axis=0, keepdims=True), *slopes]
+        if layer:
+            back = (back @ numbers[2 * layer].T) * activation_slopes[layer - 1]
     return slopes
 
 
+def _loss_slope(task: Task, value: Array, chosen: Array) -> Array:
+    """Compute the derivative of each chosen row's loss by the network's value there, shape (n,)."""
+    target, weights = task.values[chosen], task.weights[chosen]
+    if task.output == "chance":  # cross entropy
+        return np.asarray(0.5 + 0.5 * np.tanh(0.5 * value) - target)
+    if task.output == "speed":  # pseudo-Huber
+        return np.asarray(weights * (value - target) / np.hypot(1.0, (value - target) / LINEAR_LOSS_ABOVE))
+    own = np.exp(2.0 * value)  # likelihood of Student's t, whose scale is the error and the row's noise
+    square = target**2 / (ERROR_FREEDOM * (own + weights))
+    return np.asarray(own / (own + weights) * (1.0 - (ERROR_FREEDOM + 1.0) * square / (1.0 + square)))
+
+
 def train_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Arrays of one kind of legs, and its ranges and errors."""
+    """Return the arrays of one kind of legs, and the ranges of its numbers."""
     plain, factors = networks.network_inputs(every.places)
     learnt = every.held_out == 0.0
     middle = plain[learnt].mean(axis=0)
@@ -175,37 +215,36 @@ def train_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[d
     good = np.isfinite(values) & (se < MAX_ROW_SE) & ~(every.falls > 0.0)
     chosen = np.flatnonzero(learnt & good)
     terms, uneven = networks.features(inputs), every.places[:, Place._fields.index("unevenness_ratio")]
-    found = fit_scatter(terms[chosen], uneven[chosen], se[chosen], every.runs[chosen])
-    weights = 1.0 / (found.run_sd(terms, uneven)[chosen] ** 2 / every.runs[chosen] + NETWORK_ERROR**2)
+    scatter = fit_scatter(terms[chosen], uneven[chosen], se[chosen], every.runs[chosen])
+    weights = 1.0 / (scatter.run_sd(terms, uneven)[chosen] ** 2 / every.runs[chosen] + NETWORK_ERROR**2)
     tenth = np.random.default_rng(NETWORKS).permutation(len(chosen)) % NETWORKS
+    left_out = [(tenth - number) % NETWORKS < TENTHS_LEFT_OUT for number in range(NETWORKS)]
     tasks = []
-    for number in range(NETWORKS):
-        part = chosen[(tenth - number) % NETWORKS >= TENTHS_LEFT_OUT]
-        weight = weights[(tenth - number) % NETWORKS >= TENTHS_LEFT_OUT]
-        tasks.append(
-            Task(inputs[part], factors[part], values[part], weight / weight.mean(), HIDDEN_LAYERS[kind], False, number)
-        )
+    for number, out in enumerate(left_out):
+        part, weight = chosen[~out], weights[~out] / weights[~out].mean()
+        learn = inputs[part], factors[part], values[part], weight
+        tasks.append(Task("speed", *learn, HIDDEN_LAYERS[kind], EPOCHS[kind], number))
     told = np.flatnonzero(learnt & (np.isfinite(every.falls) | ~good))
-    fallen = ~(every.falls[told] <= 0.0)
-    ones = np.ones((len(told), 1))
-    tasks += [Task(inputs[told], ones, fallen, ones[:, 0], FALL_LAYERS, True, seed) for seed in range(TENTHS_LEFT_OUT)]
-    ten = list(pool.executor.map(train_network, tasks))
+    ones, fallen = np.ones((len(told), 1)), ~(every.falls[told] <= 0.0)
+    falls = Task("chance", inputs[told], ones, fallen, ones[:, 0], FALL_LAYERS, EPOCHS[kind], 0)
+    tasks += [falls._replace(seed=seed) for seed in range(FALL_NETWORKS)]
+    trained = list(pool.executor.map(train_network, tasks))
     arrays = {
-        **_stack_layers(ten[:NETWORKS], kind),
-        **_stack_layers(ten[NETWORKS:], f"{kind}_falls"),
+        **_stack_layers(trained[:NETWORKS], kind),
+        **_stack_layers(trained[NETWORKS:], f"{kind}_falls"),
         f"{kind}_middle": middle,
         f"{kind}_scale": scale,
-        f"{kind}_in_time": found.in_time,
-        f"{kind}_prints": found.between_prints,
+        f"{kind}_prints": scatter.between_prints,
     }
+    off = _speeds_left_out(arrays, kind, inputs[chosen], factors[chosen], left_out) - values[chosen]
+    arrays |= _train_errors(kind, inputs[chosen], factors[chosen], off, se[chosen], pool)
     low, high = every.places[learnt].min(axis=0), every.places[learnt].max(axis=0)
     ranges = {name: [float(a), float(b)] for name, a, b in zip(Place._fields, low, high, strict=True)}
     steepest = max(-ranges["slope_ratio"][0], ranges["slope_ratio"][1])  # mirror images, and upright ones between
     ranges |= {"slope_ratio": [-steepest, steepest], "root_tilt": [0.0, ranges["root_tilt"][1]]}
     # Upright walkers on a level plate have no speed by symmetry: nothing to test
     rest = np.flatnonzero(~learnt & np.isfinite(values) & np.isfinite(se) & (np.abs(factors).sum(axis=1) > 0.0))
-    run_sd = found.run_sd(terms, uneven)
-    unseen = Unseen(inputs[rest], factors[rest], values[rest], se[rest], run_sd[rest])
+    unseen = Unseen(inputs[rest], factors[rest], values[rest], se[rest])
     arrays[f"{kind}_error"] = _fit_error_factors(arrays, kind, unseen)
     return arrays, ranges
 
@@ -219,26 +258,57 @@ def _stack_layers(alike: Sequence[Sequence[Layer]], name: str) -> dict[str, Arra
     return arrays
 
 
-def _fit_error_factors(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
-    """Factors of what the networks differ by and of the runs' scatter, and least error: three numbers.
+def _layers_of(arrays: Mapping[str, Array], name: str) -> list[Layer]:
+    """Return the layers of the networks of a name from arrays that are not stored yet."""
+    count = sum(key.startswith(f"{name}_weights") for key in arrays)
+    return [Layer(arrays[f"{name}_weights{k}"], arrays[f"{name}_bias{k}"]) for k in range(count)]
 
-    In the proportion that makes the unseen rows likeliest (as Student's t with four degrees of freedom: a few lie
-    far off), and so large that bounds of 95 % hold as many of those that the surrogate may answer.
+
+def _speeds_left_out(
+    arrays: Mapping[str, Array], kind: Kind, inputs: Array, factors: Array, left_out: Sequence[Array]
+) -> Array:
+    """Compute each row's mean speed, after asinh, from the networks that were trained without it, shape (n,)."""
+    speeds = (networks.evaluate(_layers_of(arrays, kind), inputs) * factors).sum(axis=-1)
+    without = np.array(left_out)
+    return np.asarray((speeds * without).sum(axis=0) / without.sum(axis=0))
+
+
+def _train_errors(
+    kind: Kind, inputs: Array, factors: Array, off: Array, se: Array, pool: worker_pool.WorkerPool
+) -> dict[str, Array]:
+    """Train the networks of the error on `off`, each row's error by networks without it; return their arrays."""
+    tilted = np.flatnonzero(_level(factors) > MIN_LEVEL)
+    level, ones = _level(factors)[tilted], np.ones((len(tilted), 1))
+    epochs = round(ERROR_EPOCHS_SHARE * EPOCHS[kind])
+    learn = inputs[tilted], ones, off[tilted] / level, (se[tilted] / level) ** 2
+    tasks = [Task("error", *learn, ERROR_LAYERS, epochs, seed) for seed in range(ERROR_NETWORKS)]
+    return _stack_layers(list(pool.executor.map(train_network, tasks)), f"{kind}_log_error")
+
+
+def _level(factors: Array) -> Array:
+    """Return the share of its error that a walker has: by symmetry none without tilt on a level plate, shape (n,)."""
+    return np.asarray(np.minimum(np.abs(factors).sum(axis=1), 1.0))
+
+
+def _fit_error_factors(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
+    """Fit the factors of the networks' standard deviation and of the learnt error to unseen rows: two numbers.
+
+    Their ratio makes the unseen rows likeliest, as Student's t with four degrees of freedom, since a few lie far off.
+    Their size is such that 95 % of those rows that the surrogate may answer are within bounds of 95 %.
     """
     from scipy.optimize import minimize
     from scipy.stats import t
 
-    count = len(HIDDEN_LAYERS[kind]) + 1
-    layers = [Layer(arrays[f"{kind}_weights{k}"], arrays[f"{kind}_bias{k}"]) for k in range(count)]
-    said = (networks.evaluate(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
-    off, odd = said.mean(axis=0) - unseen.values, np.minimum(np.abs(unseen.factors).sum(axis=1), 1.0)
-    parts = np.stack([said.std(axis=0, ddof=1), unseen.scatter * odd, odd])
+    speeds = (networks.evaluate(_layers_of(arrays, kind), unseen.inputs) * unseen.factors).sum(axis=-1)
+    off = speeds.mean(axis=0) - unseen.values
+    log_error = networks.evaluate(_layers_of(arrays, f"{kind}_log_error"), unseen.inputs)[..., 0].mean(axis=0)
+    parts = np.stack([speeds.std(axis=0, ddof=1), np.exp(log_error) * _level(unseen.factors)])
 
     def loss(logs: Array) -> float:
         sd = np.sqrt((np.exp(2.0 * logs)[:, None] * parts**2).sum(axis=0) + unseen.se**2)
         return -float(np.sum(t.logpdf(off / sd, 4.0) - np.log(sd)))
 
-    shares = np.exp(minimize(loss, np.log([1.5, 0.1, 0.03]), method="Nelder-Mead", options={"maxiter": 2000}).x)
+    shares = np.exp(minimize(loss, np.log([1.0, 0.5]), method="Nelder-Mead", options={"maxiter": 2000}).x)
     error = np.sqrt((shares[:, None] ** 2 * parts**2).sum(axis=0))
     told = error < np.quantile(error, CALIBRATED_SHARE)
     reach = float(np.quantile(np.abs(off[told]) / np.hypot(error, unseen.se)[told], 0.95))
@@ -251,13 +321,13 @@ def measure_errors(kind: Kind, every: Rows) -> dict[str, float]:
     speeds = networks.speeds_at(kind, unseen.places)
     speed = unseen.peak * LINEAR_BELOW * np.sinh(speeds.centre)
     error = unseen.peak * LINEAR_BELOW * np.cosh(speeds.centre) * speeds.error
-    goal = np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
+    allowed = np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
     sure = speeds.falls <= MAX_FALL_CHANCE
-    answered = sure & (NORMAL_95 * error <= goal)
+    answered = sure & (NORMAL_95 * error <= allowed)
     fell = ~(unseen.falls <= 0.0)
     good = answered & np.isfinite(unseen.se)
     off = np.abs(speed - unseen.speed)[good]
-    within = np.maximum(MAX_ERROR_SHARE * np.abs(unseen.speed[good]), MAX_ERROR_MM_S)
+    within = np.maximum(GOAL_SHARE * np.abs(unseen.speed[good]), GOAL_MM_S)
     noise = NORMAL_95 * unseen.se[good]
     return {
         "rows": float(len(speed)),

@@ -17,25 +17,25 @@ SLACK = 200
 """Number of lines that a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5260,
+    "walkergen/analysis": 5290,
     "walkergen/api": 300,
     "walkergen/app": 2670,
     "walkergen/cli": 870,
-    "walkergen/commands": 8140,
-    "walkergen/core": 17620,
-    "walkergen/files": 1510,
+    "walkergen/commands": 8180,
+    "walkergen/core": 17720,
+    "walkergen/files": 1520,
     "walkergen/guests/crowd": 7210,
-    "walkergen/guests/lab": 4880,
+    "walkergen/guests/lab": 4910,
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2240,
-    "walkergen/guests/track": 3600,
+    "walkergen/guests/track": 3620,
     "walkergen/points": 3070,
-    "walkergen/readers": 5440,
+    "walkergen/readers": 5470,
     "walkergen/sheets": 540,
     "benchmarks": 2760,
     "docs": 610,
-    "evidence": 7380,
-    "tests": 38790,
+    "evidence": 7480,
+    "tests": 38800,
 }
 
 

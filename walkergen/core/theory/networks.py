@@ -1,7 +1,8 @@
 """Networks of the surrogate: speeds at places, their error and the chance of a fall, from the shipped file.
 
-Ten of each were trained, each without another tenth of the rows (evidence/tables). Their differences estimate
-their error at a place, scaled so that it holds at rows that none has seen.
+Ten networks of the speed were each trained without another two tenths of the rows (evidence/tables). Other networks
+learnt how far these are off at the rows that they were trained without. Both their standard deviation and the learnt
+error count, with factors so that bounds hold at rows that no network was trained on.
 """
 
 import hashlib
@@ -131,7 +132,7 @@ def _forward_pass(layers: Sequence[Layer], inputs: Array) -> Array:
     for layer in layers[:-1]:
         values = np.matmul(values, layer.weights)
         values += layer.bias
-        np.tanh(values, out=values)
+        values *= 0.5 + 0.5 * np.tanh(0.5 * values)  # SiLU, without overflow
     return np.asarray(np.matmul(values, layers[-1].weights) + layers[-1].bias)
 
 
@@ -184,9 +185,9 @@ def speeds_at(kind: Kind, places: Array) -> Speeds:
     values = (evaluate(load_layers(kind), inputs) * odd).sum(axis=-1)
     terms, uneven = features(inputs), places[:, Place._fields.index("unevenness_ratio")]
     prints = uneven * evaluate_smooth(terms, kept[f"{kind}_prints"])
-    run_sd = np.hypot(evaluate_smooth(terms, kept[f"{kind}_in_time"]), prints)
     level = np.minimum(np.abs(odd).sum(axis=1), 1.0)  # none without tilt on a level plate, by symmetry
-    parts = np.stack([values.std(axis=0, ddof=1), run_sd * level, level])
+    learnt = np.exp(evaluate(load_layers(f"{kind}_log_error"), inputs)[..., 0].mean(axis=0))
+    parts = np.stack([values.std(axis=0, ddof=1), learnt * level])
     error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)
     falls = 1.0 / (1.0 + np.exp(-evaluate(load_layers(f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
     return Speeds(values.mean(axis=0), error, prints, falls, values)
