@@ -48,6 +48,7 @@ WALL_PANELS = (
 def draw_functions(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
     """Return functions that draw the figures that the crowd has data for, by the stems of their files."""
     curves = statistics.curves
+    # Curve that a figure needs, and the function that draws the figure
     draws: dict[str, tuple[str, Callable[[], Figure]]] = {
         "crowd_pairs": ("g", partial(_draw_panels, curves, title, "distance of centres (mm)", PAIR_PANELS)),
         "crowd_fluctuations": ("fluctuations", partial(_draw_fluctuations, curves, title)),
@@ -71,8 +72,8 @@ def _is_drawable(curve: Curve) -> bool:
 
 
 @style()
-def _draw_panels(curves: Mapping[str, Curve], title: str, at: str, panels: Sequence[Panel]) -> Figure:
-    """Draw panels of curves over one axis, labelled `at`. Missing curves are left out."""
+def _draw_panels(curves: Mapping[str, Curve], title: str, x_label: str, panels: Sequence[Panel]) -> Figure:
+    """Draw panels of curves over a shared x axis, labelled `x_label`. Missing curves are left out."""
     shown = [panel._replace(names=tuple(name for name in panel.names if name in curves)) for panel in panels]
     shown = [panel for panel in shown if panel.names]
     figure, grid = new_panels(title, [panel.height for panel in shown])
@@ -86,7 +87,7 @@ def _draw_panels(curves: Mapping[str, Curve], title: str, at: str, panels: Seque
             axes.legend(ncols=2, loc="best")
         plots.label_axes(axes, y=panel.label)
     grid[-1].set_xlim(left=0)
-    plots.label_axes(grid[-1], at)
+    plots.label_axes(grid[-1], x_label)
     return figure
 
 
@@ -108,10 +109,11 @@ def _draw_fluctuations(curves: Mapping[str, Curve], title: str) -> Figure:
 def _draw_msd(curves: Mapping[str, Curve], title: str) -> Figure:
     """Draw the mean squared displacement by lag."""
     figure, axes = new_axes(title)
-    lag, squares, se = (part[curves["msd"].value > 0] for part in curves["msd"])
-    plots.draw_points(axes, (lag, squares, se))
-    for power, at, line in ((2, 0, ":"), (1, -1, "--")):
-        axes.plot(lag, squares[at] * (lag / lag[at]) ** power, line, color=GREY, label=f"slope {power}", zorder=0)
+    lag, msd, se = (part[curves["msd"].value > 0] for part in curves["msd"])
+    plots.draw_points(axes, (lag, msd, se))
+    # A straight run through the first point, diffusion through the last
+    for power, point, line in ((2, 0, ":"), (1, -1, "--")):
+        axes.plot(lag, msd[point] * (lag / lag[point]) ** power, line, color=GREY, label=f"slope {power}", zorder=0)
     axes.legend()
     plots.label_axes(axes, "lag (s)", "mean squared displacement (mm²)", log="xy")
     return figure

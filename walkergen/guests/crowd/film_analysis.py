@@ -42,9 +42,9 @@ class FilmedCrowd(NamedTuple):
 
 
 def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> FilmedCrowd:
-    """Parse a crowd's dish as "disc:120", body as "24x8" and middle as "60,60". Raises InputError."""
-    ground = parse_dish(dish, "‹dish›")
-    return FilmedCrowd(ground, _parse_body(body), _parse_middle(middle), tuple(others))
+    """Parse a crowd's dish as "disc:120", body as "24x8" and middle as "60,60". `others`: more tracks of the crowd."""
+    parsed_dish = parse_dish(dish, "‹dish›")
+    return FilmedCrowd(parsed_dish, _parse_body(body), _parse_middle(middle), tuple(others))
 
 
 def analyse(
@@ -62,7 +62,7 @@ def analyse(
         films.append(_read_film(each, units, crowd))
     progress("measuring", len(paths), len(paths) + 1)
     statistics = crowds.measure(films)
-    written = Report(
+    report = Report(
         name="crowd",
         title=path.name,
         tables=crowd_tables.make_tables(statistics),
@@ -73,7 +73,7 @@ def analyse(
     )
     if folder is not None:
         with Folder(folder) as target:
-            written.write(target, pictures)
+            report.write(target, pictures)
             if pictures:
                 from walkergen.guests.crowd import movie as crowd_movie
 
@@ -81,7 +81,7 @@ def analyse(
             files = [each.name for each in paths]
             facts = {"dish": crowd.dish.words, "middle_mm": list(crowd.middle)}
             target.finish({"files": files, **units._asdict(), **facts})
-    return written
+    return report
 
 
 def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
@@ -104,7 +104,10 @@ def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
 
 
 def _parse_body(body: str | None) -> tuple[Array, ...]:
-    """Return the outline of a body, from its length and width, its diameter, or the file of a walker; mm."""
+    """Return the contours (mm) of a body given as LENGTHxWIDTH, DIAMETER or a walker; empty if it is not given.
+
+    Each contour has shape (corners, 2): x forward, y to the left. Raises InputError.
+    """
     if body is None:
         return ()
     sizes = [parse_number(word) for word in body.split("x")]
@@ -123,7 +126,7 @@ def _parse_body(body: str | None) -> tuple[Array, ...]:
 
 
 def _parse_middle(middle: str | None) -> tuple[float, float]:
-    """Parse the position of the dish's middle, mm. It is the origin by default."""
+    """Parse the position "X,Y" of the dish's middle in the tracks, mm. It is the origin by default."""
     if middle is None:
         return 0.0, 0.0
     numbers = [parse_number(word) for word in middle.split(",")]

@@ -1,4 +1,4 @@
-"""A crowd in a plane: walkers by their cards, placed, moved by LAMMPS, and measured."""
+"""A crowd in a plane (2D): walkers with the properties on their cards, placed, moved by LAMMPS, and measured."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -33,17 +33,17 @@ TESTED_RANGE = (
 def make_population(
     request: CrowdRequest, scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population of `counts` walkers of each card; by default as many as in the scene. Raises InputError."""
+    """Return a population of `counts` walkers of each card; by default as many as the scene sets. Raises InputError."""
     crowd, lid = scene.crowd, scene.arena.lid_mm
     if lid is not None:
         raise InputError(f"arena.lid_mm = {lid:g}: the card fixes the lid. Leave the key out.")
-    own = {key: getattr(crowd, key) for key in CONTACT_KEYS if key in crowd.model_fields_set}
+    scene_contacts = {key: getattr(crowd, key) for key in CONTACT_KEYS if key in crowd.model_fields_set}
     kinds = []
     for number, card in enumerate(cards):
         outline = tuple(np.array(contour) for contour in card.outline_mm)
         area = top_outline.area_of(outline)
         walkers = walker_counts.walker_count(scene, area) if counts is None else counts[number]
-        kinds.append(Kind(card.name, walkers, outline, card=card.model_copy(update=own)))
+        kinds.append(Kind(card.name, walkers, outline, card=card.model_copy(update=scene_contacts)))
     population = Population(scene, tuple(kinds))
     populations.check_population(request, population)
     return population
@@ -63,20 +63,20 @@ class InPlane(NamedTuple):
         """
         population = self.population
         check_packing(population.packing)
-        whole = _total_seconds(population)
+        total_seconds = _total_seconds(population)
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
             """Simulate a run and return its film. `tell` receives the share that is done."""
 
-            def advance(task: str, frames: int, total: int) -> None:
+            def report_frames(task: str, frames: int, total: int) -> None:
                 """Report progress to `tell`; end the run if it is stopped."""
                 if stopped():
                     raise KeyboardInterrupt  # ends LAMMPS, on this thread
                 tell(frames / total)
 
-            run = flat.simulate(_make_crowd(self.request, population, number), progress=advance)
-            kept = run.times >= population.scene.run.discard_seconds - 1e-9 * whole
-            return populations.make_film(population, run.times[kept] - run.times[kept][0], run.poses[kept])
+            run = flat.simulate(_make_crowd(self.request, population, number), progress=report_frames)
+            recorded = run.times >= population.scene.run.discard_seconds - 1e-9 * total_seconds
+            return populations.make_film(population, run.times[recorded] - run.times[recorded][0], run.poses[recorded])
 
         return simulate_run
 
@@ -116,16 +116,9 @@ def _total_seconds(population: Population) -> float:
 
 
 def _make_crowd(request: CrowdRequest, population: Population, number: int) -> lammps_input.Crowd:
-    """Create the input for a run in a plane, from its number."""
+    """Create the input for LAMMPS of run `number`, which sets its initial positions and its noise."""
     seed = int(np.random.SeedSequence([population.scene.run.seed, number]).generate_state(1)[0])
     places = populations.place_walkers(population, [kind.outline for kind in population.kinds], number)
     cards = [kind.card for kind in population.kinds if kind.card]
-    return crowd_checks.make_crowd(
-        cards,
-        population.numbers,
-        population.scene.crowd.dish,
-        places,
-        _total_seconds(population),
-        request.rate_hz,
-        seed,
-    )
+    dish, seconds = population.scene.crowd.dish, _total_seconds(population)
+    return crowd_checks.make_crowd(cards, population.numbers, dish, places, seconds, request.rate_hz, seed)

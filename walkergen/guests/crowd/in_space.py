@@ -1,4 +1,7 @@
-"""A crowd in space: placing, runs, and the results of their films."""
+"""A crowd in space (simulated in 3D): placing, runs, and the results of their films.
+
+A `CrowdPlan` has all that a run needs: scene, walkers, shapes of bodies, and initial positions.
+"""
 
 import time
 from collections.abc import Callable, Sequence
@@ -28,7 +31,7 @@ COMPILE_RUN_S = 1e-6
 def make_population(
     request: CrowdRequest, scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population of `counts` walkers of each design; by default as many as in the scene."""
+    """Return a population of `counts` walkers of each design; by default as many as the scene sets."""
     kinds = []
     for number, design in enumerate(designs):
         mass = mass_of(design)
@@ -58,17 +61,18 @@ class InSpace(NamedTuple):
 
         Raises InputError if the crowd does not fit, or contradicts the model in space.
         """
-        placed, rate_hz = _placement_function(self.population), self.request.rate_hz
+        plan_for_run, rate_hz = _placement_function(self.population), self.request.rate_hz
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
             """Simulate a run. `tell` receives the share that is done."""
 
             def report_progress(seconds: float) -> None:
+                """Report simulated seconds as a share of the run."""
                 tell(seconds / self.population.scene.run.seconds)
 
-            return crowds.simulate(placed(number), number, rate_hz, stopped, report_progress)
+            return crowds.simulate(plan_for_run(number), number, rate_hz, stopped, report_progress)
 
-        _compile_kernels(placed(0), rate_hz)
+        _compile_kernels(plan_for_run(0), rate_hz)
         return simulate_run
 
     def film(self, run: CrowdRun) -> CrowdFilm:
@@ -84,10 +88,10 @@ class InSpace(NamedTuple):
 
 
 def cpu_seconds(request: CrowdRequest, population: Population) -> float:
-    """Estimate the CPU seconds of a run from a short piece of the first, after its walkers have landed."""
+    """Estimate the CPU seconds of one run from a short piece of run 0, after its walkers have landed."""
     plan, times = _placement_function(population)(0), list[tuple[float, float]]()
     _compile_kernels(plan, request.rate_hz)
-    over = run_time.stop_after_moment()
+    is_moment_over = run_time.stop_after_moment()
 
     def record_time(seconds: float) -> None:
         """Record CPU time and simulated time of a crowd that has landed."""
@@ -95,8 +99,8 @@ def cpu_seconds(request: CrowdRequest, population: Population) -> float:
             times.append((time.thread_time(), seconds))
 
     run = plan.scene.run.model_copy(update={"seconds": run_time.MAX_MOMENT_S, "discard_seconds": 0.0})
-    lasting = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
-    crowds.simulate(lasting, 0, request.rate_hz, lambda: len(times) > 1 and over(), record_time)
+    long_plan = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
+    crowds.simulate(long_plan, 0, request.rate_hz, lambda: len(times) > 1 and is_moment_over(), record_time)
     if len(times) < 2:  # all have fallen
         return 0.0
     spent, seconds = np.subtract(times[-1], times[0])
@@ -104,7 +108,7 @@ def cpu_seconds(request: CrowdRequest, population: Population) -> float:
 
 
 def _placement_function(population: Population) -> Callable[[int], CrowdPlan]:
-    """Return a function from a run's number to the plan with its walkers placed. Raises InputError."""
+    """Return a function that returns the plan of a run, with walkers placed at random, for the run's number."""
     plan = _make_plan(population)
     about_C = _contours_from_centre(population, plan)
     return lambda number: plan._replace(places=populations.place_walkers(population, about_C, number))
@@ -117,15 +121,15 @@ def _make_plan(population: Population) -> CrowdPlan:
 
 
 def _contours_from_centre(population: Population, plan: CrowdPlan) -> list[list[Array]]:
-    """Return the contours of each kind relative to the centre of mass, for placing the walkers."""
+    """Return the contours of each kind relative to the centre of mass C: shape (corners, 2), forward and left, mm."""
     about_C = []
-    for kind, own in zip(population.kinds, plan.plans, strict=True):
-        forward, _, right = own.world.walker.centre  # from C to O
+    for kind, kind_plan in zip(population.kinds, plan.plans, strict=True):
+        forward, _, right = kind_plan.world.walker.centre  # from C to O
         about_C.append([np.add(contour, (forward, -right)) for contour in kind.outline])
     return about_C
 
 
 def _compile_kernels(plan: CrowdPlan, rate_hz: float) -> None:
-    """Compile, or load, the kernels of a plan in a short run: once, for all threads."""
+    """Compile the kernels that a plan needs, or load them, by a very short run. Threads then share them."""
     run = plan.scene.run.model_copy(update={"seconds": COMPILE_RUN_S, "discard_seconds": 0.0})
     crowds.simulate(plan._replace(scene=plan.scene.model_copy(update={"run": run})), 0, rate_hz)

@@ -1,4 +1,4 @@
-"""Work of the command `crowd`: walkers in space, cards in a plane, or the card of one walker."""
+"""Work of the command `crowd`: walkers in space (3D), cards in a plane (2D), or the card of one walker."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -72,7 +72,7 @@ def simulate(request: CrowdRequest, population: Population, progress: Progress) 
     flat = population.model == "flat"
     crowd: InSpace | InPlane = (InPlane if flat else InSpace)(request, population)
     measured = measure(crowd, Runs(population.scene.run.runs), progress, request.threads)
-    progress("measuring", 99, 100)
+    progress("measuring", 99, 100)  # per cent
     films = tuple(map(crowd.film, measured.records))
     runs = () if flat else tuple(measured.records)
     return Simulated(request, population, films, runs, statistics.measure(films), measured.wall_s)

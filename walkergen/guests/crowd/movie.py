@@ -1,4 +1,7 @@
-"""Movies and stills of a crowd from above: every walker's outline, by the thousand."""
+"""Movies and stills of a crowd from above: every walker's outline, by the thousand.
+
+`scale`: pixels per mm. N: number of walkers of the film.
+"""
 
 import io
 import math
@@ -33,8 +36,7 @@ HUE_COUNT = 72
 """Colours of headings, even around the circle."""
 
 LIGHTNESS, CHROMA = 0.72, 0.12
-"""Of these in OKLab (https://bottosson.github.io/posts/oklab/): all equally bright, so that none
-stands out, and inside sRGB at every hue."""
+"""Of these colours in OKLab (https://bottosson.github.io/posts/oklab/): equally bright, in sRGB at every hue."""
 
 SIMPLIFY_PX = 0.25
 """Tolerance for simplified outlines, pixels."""
@@ -109,7 +111,7 @@ def render_still(film: CrowdFilm, title: str) -> bytes:
 def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> Draw:
     """Make a function that draws a frame, with walkers coloured by heading, or by kind if headings are unknown.
 
-    `fps` of the movie gives its speed compared with real time.
+    `fps`: frames per second of the movie, for the ratio to real speed in the caption; None for a still.
     """
     length, width = film.dish.box
     scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)
@@ -128,6 +130,7 @@ def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> D
     canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
 
     def draw(frame: int) -> Pixels:
+        """Return the picture of the film's frame with this number."""
         x, y = dish_geometry.wrap_places(film.x[frame], film.y[frame], film.dish)
         theta = film.theta[frame]
         faces = paint(theta)
@@ -167,14 +170,15 @@ def _make_colour_function(film: CrowdFilm) -> Callable[[Array], Array]:
         wheel = np.vstack([heading_colours(), to_rgb(PLATE_COLOUR)])
 
         def colours_of_headings(theta: Array) -> Array:
+            """Return the nearest of the hues for each heading; grey for NaN."""
             turn = np.nan_to_num(theta) / (2.0 * np.pi)
-            at = np.rint(turn * HUE_COUNT).astype(np.int64) % HUE_COUNT
-            return np.asarray(wheel[np.where(np.isnan(theta), HUE_COUNT, at)])
+            hue = np.rint(turn * HUE_COUNT).astype(np.int64) % HUE_COUNT
+            return np.asarray(wheel[np.where(np.isnan(theta), HUE_COUNT, hue)])
 
         return colours_of_headings
     kinds = list(dict.fromkeys(film.kinds))
-    own = np.array([to_rgb(_kind_colour(kinds.index(kind))) for kind in film.kinds])
-    return lambda theta: own
+    fixed_colours = np.array([to_rgb(_kind_colour(kinds.index(kind))) for kind in film.kinds])
+    return lambda theta: fixed_colours
 
 
 def _kind_colour(number: int) -> str:
@@ -182,11 +186,11 @@ def _kind_colour(number: int) -> str:
 
 
 def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
-    """Create the artists that draw the walkers of each kind."""
+    """Create the artists that draw the walkers, one for each contour of each kind."""
     made = []
     edge = "face" if scale * _walker_size(film) < 12.0 else INK  # so small that an edge would hide their colour
     for kind in dict.fromkeys(film.kinds):
-        walkers = np.flatnonzero([own == kind for own in film.kinds])
+        walkers = np.flatnonzero([name == kind for name in film.kinds])
         for contour in film.outlines.get(kind, (_symbol_outline(film),)):
             simple = shapely.simplify(shapely.Polygon(contour), SIMPLIFY_PX / scale)
             corners = shapely.get_coordinates(shapely.get_exterior_ring(simple))[:-1]
@@ -211,7 +215,10 @@ def _symbol_outline(film: CrowdFilm) -> Array:
 
 
 def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Array, film: CrowdFilm) -> None:
-    """Show the walkers of a kind that are seen in a frame, with images in a periodic square. `colours`: (N, 3)."""
+    """Show the walkers of a kind that are seen in a frame, with images in a periodic square.
+
+    `x`, `y` (mm), `theta` (rad), shape (N,), and `colours`, shape (N, 3), are those of all walkers of the film.
+    """
     walkers = kind.walkers[np.isfinite(x[kind.walkers])]
     places = np.column_stack([x[walkers], y[walkers]])
     if film.dish.period:
@@ -225,7 +232,7 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Arr
 
 
 def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
-    """Add images of walkers across a periodic square's edges. `reach`: largest distance of a corner, mm."""
+    """Append images across a periodic square's edges to `places` (n, 2) and `walkers` (n,). `reach`: of corners, mm."""
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
         other = places[over]
@@ -263,9 +270,9 @@ def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None)
     canvas.text(0.5 * WIDTH_PX, 12, words, fontsize=SMALL_PT, ha="center")
     if film.has_headings:
         wheel = canvas.axes(WIDTH_PX - MARGIN_PX - 32, 4, 32, 32)
-        for at, hue in enumerate(heading_colours()):
-            ends = (360.0 * (at - 0.5) / HUE_COUNT, 360.0 * (at + 0.5) / HUE_COUNT)
-            wheel.add_patch(Wedge((0, 0), 1.0, *ends, width=0.45, facecolor=hue, linewidth=0))
+        for number, hue in enumerate(heading_colours()):
+            angles_deg = (360.0 * (number - 0.5) / HUE_COUNT, 360.0 * (number + 0.5) / HUE_COUNT)
+            wheel.add_patch(Wedge((0, 0), 1.0, *angles_deg, width=0.45, facecolor=hue, linewidth=0))
         wheel.set(xlim=(-1.05, 1.05), ylim=(-1.05, 1.05))
         wheel.axis("off")
         canvas.text(WIDTH_PX - MARGIN_PX - 38, 12, "heading", fontsize=SMALL_PT, ha="right")

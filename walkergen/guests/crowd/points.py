@@ -1,6 +1,7 @@
-"""Points that are a crowd: all its statistics with their errors, and its outcome (see `points.kinds`).
+"""Points of a sweep whose design is simulated as a crowd: its statistics with errors, and its outcome.
 
-A crowd takes minutes: its record holds every statistic, so that others may be shown without a run.
+A point is one design in one scene (see `points.kinds`). A crowd takes minutes: its record holds every statistic, so
+that others may be shown without a run. `keep`: names of the statistics that are shown.
 """
 
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """Return a name for the source of the numbers."""
+    """Return the name that tables give to the source of these numbers."""
     return "crowds"
 
 

@@ -54,12 +54,12 @@ class Population(NamedTuple):
 
     @property
     def model(self) -> Model:
-        """Model that moves the walkers: in space with designs, in a plane with cards."""
+        """Model that moves the walkers: "space" (3D) for designs, "flat" (2D) for cards."""
         return "space" if self.kinds[0].card is None else "flat"
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Kind of each walker, sorted by kind."""
+        """Index in `kinds` of each walker, in ascending order."""
         return tuple(number for number, kind in enumerate(self.kinds) for _ in range(kind.walkers))
 
     @property
@@ -96,14 +96,17 @@ class Simulated(NamedTuple):
 
 
 def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
-    """Return the film of a run, seen from above, from times (F,) and places and headings (F, N, 3 or more)."""
+    """Return the film of a run, seen from above. `times`: s, shape (F,).
+
+    `poses`: x, y (mm) and heading (rad) come first, shape (F, N, 3 or more).
+    """
     outlines = {kind.name: kind.outline for kind in population.kinds}
     names = [population.kinds[number].name for number in population.numbers]
     return from_places(times, poses, names, outlines, population.scene.crowd.dish)
 
 
 def check_population(request: CrowdRequest, population: Population) -> None:
-    """Raise InputError for kinds of one name, a scene that accepts an error, or too few or many frames."""
+    """Raise InputError for two kinds of one name, a scene with `run.accepted_error`, or too few or many frames."""
     names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"‹count›: two designs have the name {max(names, key=names.count)!r}. Rename one.")

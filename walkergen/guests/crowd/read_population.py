@@ -1,4 +1,7 @@
-"""Population of a crowd from its request: designs or cards, their numbers, and the scene."""
+"""Population of a crowd from its request: designs or cards, their numbers, and the scene.
+
+`sources`: designs or cards, as objects or files. `given`: reads designs and scene with the request's settings.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -29,7 +32,7 @@ def read_population(request: CrowdRequest) -> Population:
 
 
 def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
-    """Return whether all sources are cards, for a crowd in a plane. Raises InputError if they fit no model."""
+    """Return whether the crowd is in a plane: all sources are cards. Raises InputError if they fit no model."""
     cards = [is_card(source) for source in sources]
     if all(cards) and request.model != "space":
         return True

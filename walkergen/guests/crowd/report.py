@@ -66,7 +66,7 @@ CONTACT_COLUMNS = (
 
 
 def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
-    """Make the report of a crowd, for a folder if there is one."""
+    """Make the report of a crowd. `folder`: where its files will be written; None for no files."""
     population, statistics = simulated.population, simulated.statistics
     title = crowd_title(population)
     rows = [_contact_row(run, statistics.seconds) for run in simulated.runs]
@@ -142,7 +142,7 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
 
 
 def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress) -> CrowdReport:
-    """Write everything into a folder. Raises OutputError where a file there is not ours."""
+    """Write everything into a folder and return the report. Raises OutputError for a folder with other files."""
     with Folder(folder) as target:
         report.write(target, pictures)
         if pictures:
@@ -153,14 +153,14 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
             if film.x.size > MAX_ROWS:
                 continue
             for suffix, to_bytes in tracks.FORMATS.items():
-                progress("writing tracks", 99, 100)
+                progress("writing tracks", 99, 100)  # per cent
                 target.write(f"tracks/run-{number}{suffix}", to_bytes(film))
         target.finish(manifest_inputs(report.simulated.request, report.simulated.population))
     return report
 
 
 def write_inputs(request: CrowdRequest, population: Population, folder: Path) -> Report:
-    """Write the input of LAMMPS for every run into a folder, and list the files."""
+    """Write the input of LAMMPS for every run into a folder, and return a report that lists the files."""
     inputs = in_plane.input_files(request, population)
     with Folder(folder) as target:
         for name, data in inputs.items():

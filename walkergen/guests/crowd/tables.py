@@ -35,14 +35,14 @@ def make_tables(statistics: CrowdStatistics) -> list[Table]:
     """Return tables of the numbers with errors (shown to people), of their course, of each run, and of curves."""
     numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
     rows = [_row(statistics, number) for number in numbers.values()]
-    shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
+    shown_rows = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
     title = f"Crowd of {_describe_walkers(statistics)}"
     course = [
         (numbers[name].column, *_nan_to_none(point)) for name in series for point in zip(*series[name], strict=True)
     ]
     runs = [(run, *_nan_to_none(row)) for run, row in enumerate(zip(*by_run.values(), strict=True))]
     return [
-        Table("crowd", rows, NUMBER_COLUMNS, _columns(statistics), title, statistics.notes, shown),
+        Table("crowd", rows, NUMBER_COLUMNS, _columns(statistics), title, statistics.notes, shown_rows),
         Table("crowd_series", course, ("quantity", "t_s", "value", "se")),
         Table("crowd_runs", runs, ("run", *(numbers[name].column for name in by_run))),
         *_curve_tables(statistics),
@@ -78,7 +78,7 @@ def _describe_walkers(statistics: CrowdStatistics) -> str:
 
 
 def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
-    """Return the row of a number in crowd.csv."""
+    """Return the row of a number in crowd.csv, with `NUMBER_COLUMNS`."""
     bounds = number.interval() or (None, None)
     chance = statistics.by_chance.get(number.key)
     return number.column, number.value, number.se, *bounds, chance, number.refused

@@ -48,7 +48,7 @@ class _Number(Section):
 
 
 def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
-    """Convert a number of the file to a quantity that is named after its field."""
+    """Convert a number as the file has it (`data`, a dict) to a quantity named after its field. Keep quantities."""
     if isinstance(data, Quantity):
         return data
     number: _Number = validate(data)
@@ -67,7 +67,7 @@ else:  # A file contains a table. The validator turns it into a quantity.
 
 
 def field_quantity(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
-    """Return the quantity of a card's field, measured in `runs` independent runs."""
+    """Return the quantity of a card's `field` (a key that ends in its unit), measured in `runs` independent runs."""
     unit = next((unit for unit in KEY_UNITS if field.endswith(f"_{unit}")), "")
     return Quantity(field.removesuffix(f"_{unit}"), unit, value, se, math.inf if runs is None else runs - 1.0)
 
@@ -158,10 +158,10 @@ class Card(Section):
         It is above the mean speed along the heading if the walker turns, because its velocity lags behind. Valid for
         active Brownian particles with inertia, whose turning has no memory.
         """
-        along, rotation = self.velocity_relaxation_s.number, self.rotational_diffusion_rad2_s.number
-        across = along if self.sideways_relaxation_s is None else self.sideways_relaxation_s.number
-        turned = self.turning_rad_s.number**2 * along * across
-        return self.speed_mm_s.number * (1.0 + rotation * along + turned / (1.0 + rotation * across))
+        time_along, rotation = self.velocity_relaxation_s.number, self.rotational_diffusion_rad2_s.number
+        time_across = time_along if self.sideways_relaxation_s is None else self.sideways_relaxation_s.number
+        turning_term = self.turning_rad_s.number**2 * time_along * time_across
+        return self.speed_mm_s.number * (1.0 + rotation * time_along + turning_term / (1.0 + rotation * time_across))
 
     @model_validator(mode="after")
     def _check_nonnegative(self) -> "Card":

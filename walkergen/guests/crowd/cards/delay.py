@@ -44,26 +44,27 @@ def measure(tracks: Tracks) -> Delay:
         cuts = math.ceil(MIN_PIECES / max(len(series), 1))
         series = [
             (velocity, unit)
-            for total, headings in series
-            for velocity, unit in zip(np.array_split(total, cuts), _split_headings(headings, cuts), strict=True)
+            for velocities, headings in series
+            for velocity, unit in zip(np.array_split(velocities, cuts), _split_headings(headings, cuts), strict=True)
         ]
     longest = max((len(velocity) for velocity, _ in series), default=0) // 4
-    none = np.zeros(0)
+    empty = np.zeros(0)
     if len(series) < MIN_SAMPLES or longest < 4:
         reason = f"{len(series)} independent samples, but at least {MIN_SAMPLES} are needed. Film for longer"
-        return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(none, none, none))
+        return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(empty, empty, empty))
     lags = np.arange(min(longest, MAX_LAGS), dtype=np.int64)
     sums = np.array([_correlation_sums(velocity, unit, lags) for velocity, unit in series])
     total = sums.sum(axis=0)
-    correlations = np.array([_correlations(one) for one in (total, *(total - own for own in sums))])
-    function = correlations[:, 0] - correlations[:, 1]
+    # Of all samples, then without each in turn
+    correlations = np.array([_correlations(each) for each in (total, *(total - left_out for left_out in sums))])
+    functions = correlations[:, 0] - correlations[:, 1]
     mean = correlations.mean(axis=1)
-    at_once = 1.5 * mean[:, 0] - 0.5 * mean[:, 1]
-    fallen = np.flatnonzero(mean[0] < CUTOFF_SHARE * at_once[0])
-    end = max(int(fallen[0]), 2) if len(fallen) else len(lags) - 1
-    lost = at_once - 0.5 * (mean[:, end] + mean[:, end - 1])
-    areas = tracks.interval * function[:, :end].sum(axis=1)
-    curve = Curve(tracks.interval * (lags.astype(float) + 0.5), function[0], jackknife_error(function[1:]))
+    at_zero_lag = 1.5 * mean[:, 0] - 0.5 * mean[:, 1]
+    below_cutoff = np.flatnonzero(mean[0] < CUTOFF_SHARE * at_zero_lag[0])
+    end = max(int(below_cutoff[0]), 2) if len(below_cutoff) else len(lags) - 1
+    lost = at_zero_lag - 0.5 * (mean[:, end] + mean[:, end - 1])
+    areas = tracks.interval * functions[:, :end].sum(axis=1)
+    curve = Curve(tracks.interval * (lags.astype(float) + 0.5), functions[0], jackknife_error(functions[1:]))
     return Delay(_mean_delay(areas, lost), end * tracks.interval, curve)
 
 
@@ -73,16 +74,20 @@ def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxatio
     `speed`: propulsion speed (mm/s). `rate`: rotational diffusion of the heading (rad^2/s), without memory. `turn`:
     turning rate (rad/s). `relaxation`: relaxation time of the velocity (s, > 0).
     """
-    lost = complex(rate, -turn)
-    kept, forgot = np.exp(-lost * lag), np.exp(-lag / relaxation)
-    before = kept / (1.0 + lost * relaxation)
-    after = (kept - forgot) / (1.0 - lost * relaxation)
-    after = after + forgot / (1.0 + lost.conjugate() * relaxation)
-    return np.asarray(speed * (after - before).real)
+    decay = complex(rate, -turn)
+    heading_memory, velocity_memory = np.exp(-decay * lag), np.exp(-lag / relaxation)
+    velocity_first = heading_memory / (1.0 + decay * relaxation)
+    heading_first = (heading_memory - velocity_memory) / (1.0 - decay * relaxation)
+    heading_first = heading_first + velocity_memory / (1.0 + decay.conjugate() * relaxation)
+    return np.asarray(speed * (heading_first - velocity_first).real)
 
 
 def _mean_delay(areas: Array, lost: Array) -> Quantity:
-    """Return the mean delay (s): half the integral `areas` over the loss `lost`, of all samples and of all but one."""
+    """Return the mean delay, half of `areas` / `lost`, with its jackknife error, s.
+
+    `areas`: integrals of the delay function, mm. `lost`: loss of the mean correlation over the same lags, mm/s. Both
+    have the value of all n samples first, then those without each sample in turn, shape (n + 1,).
+    """
     error = float(jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
         reason = "headings hardly turn, or there is no speed along them. Film for longer"
@@ -93,6 +98,7 @@ def _mean_delay(areas: Array, lost: Array) -> Quantity:
 
 
 def _has_heading(track: Track) -> bool:
+    """Return whether a track has headings and at least one interval."""
     return track.heading is not None and len(track.position) > 1
 
 
@@ -103,19 +109,22 @@ def _velocities_and_headings(track: Track, interval: float) -> tuple[Complex, Co
 
 
 def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
-    """Split unit vectors of headings into pieces, each with one heading more than it has velocities."""
+    """Split unit vectors of headings into `cuts` pieces, each with one heading more than it has velocities."""
     parts = np.array_split(np.arange(len(unit) - 1), cuts)
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 
 
 def _correlation_sums(velocity: Complex, unit: Complex, lags: Whole) -> Array:
-    """Sum v(t) . e(0), then v(0) . e(t), and count their pairs, at half an interval more than each lag."""
+    """Return sums of v(t) . e(0) and their numbers of pairs, then the same of v(0) . e(t), shape (4, lags).
+
+    Each is at half an interval more than its lag.
+    """
     after, pairs = lag_sums.sum_cross_products(unit[:-1], velocity, lags)
     before, others = lag_sums.sum_cross_products(velocity, unit[1:], lags)
     return np.array([after.real, pairs, before.real, others])
 
 
 def _correlations(sums: Array) -> Array:
-    """Compute the means v(t) . e(0) and v(0) . e(t) from `_correlation_sums`, shape (2, lags)."""
+    """Return the means of v(t) . e(0) and v(0) . e(t), shape (2, lags), from the sums of `_correlation_sums`."""
     after, pairs, before, others = sums
     return np.array([after / np.maximum(pairs, 1.0), before / np.maximum(others, 1.0)])

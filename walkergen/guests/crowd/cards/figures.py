@@ -22,7 +22,7 @@ MAX_DELAY_POINTS = 60
 
 @style()
 def draw_card(card: Card, measured: Measured) -> Figure:
-    """Draw squared displacement with its parts, correlations of fluctuations, delay function."""
+    """Draw three panels: squared displacement with its parts, correlations of fluctuations, and delay function."""
     title = ", ".join(filter(None, (f"Card of {card.name}", card.scene)))
     figure, (spread, memory, late) = new_grid(title, 3, 1, 2.2, COLUMN_INCHES)
     _draw_spread(spread, card, measured)
@@ -32,14 +32,14 @@ def draw_card(card: Card, measured: Measured) -> Figure:
 
 
 def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
-    """Draw the measured squared displacement, and the card's from run and diffusion."""
+    """Draw the measured squared displacement, and the one that follows from the card: run and pushes add up."""
     at, value, _ = measured.motion.msd
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
     fine = np.geomspace(at[0], at[-1], 200)
     run = persistent_walk.squared_displacement(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
-    late = persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine  # less the relaxation time of pushes
-    pushed = 4.0 * card.translational_diffusion_mm2_s.number * late
+    delayed = persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine  # less the relaxation time of pushes
+    pushed = 4.0 * card.translational_diffusion_mm2_s.number * delayed
     plots.draw_points(axes, measured.motion.msd, label="measured")
     axes.plot(fine, run + pushed, color=FITTED.colour, label="card: sum")
     axes.plot(fine, run, "--", color=GREY, label="run, turning")
@@ -53,7 +53,7 @@ def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
 
 
 def _draw_correlations(axes: Axes, measured: Measured) -> None:
-    """Draw correlations of velocity and of turning, each over its first value, with exponentials."""
+    """Draw the correlations of velocity and of turning, each divided by its first value, with fitted exponentials."""
     longest = 0.0
     for relaxed, look, name in ((measured.velocity, SERIES[0], "velocity"), (measured.turning, SERIES[1], "turning")):
         curve = relaxed.correlation
@@ -70,7 +70,7 @@ def _draw_correlations(axes: Axes, measured: Measured) -> None:
 
 
 def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, name: str) -> None:
-    """Draw the first points of a correlation, and its exponential."""
+    """Draw the first `shown` points of a correlation, divided by its first value, and its fitted exponential."""
     at, value, se = (part[:shown] for part in relaxed.correlation)
     first, time = value[0], relaxed.time.value
     plots.draw_points(axes, (at, value / first, se / first), look, f"of {name}")
@@ -81,7 +81,7 @@ def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, n
 
 
 def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
-    """Draw the delay function as measured, and for a particle with the card's numbers."""
+    """Draw the measured delay function, and the one of a particle with inertia and the card's numbers."""
     function = measured.delay.function
     stride = max(len(function.at) // MAX_DELAY_POINTS, 1)
     at, value, se = (part[::stride] for part in function)

@@ -69,27 +69,27 @@ def from_design(scene: Scene, design: Design, progress: Progress) -> CardReport:
 
 
 def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
-    """Measure the card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
+    """Measure the card of filmed walkers of a design from a file of tracks. Raises InputError if that fails."""
     motion = walker_motion.measure_film(path, units, scene)
     return report.make_report(make_card(scene, design, mass_of(design), motion), motion)
 
 
 def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
     """Make the card of a design from a measured motion. Raises InputError if a number that it needs is unknown."""
-    found = motion.motion.estimates
+    estimates = motion.motion.estimates
     needed = {
-        "speed_mm_s": ("speed", found["speed"]),
+        "speed_mm_s": ("speed", estimates["speed"]),
         "velocity_relaxation_s": ("relaxation", motion.velocity.time),
-        "turning_rad_s": ("mean turning", found["turning_bias"]),
-        "rotational_diffusion_rad2_s": ("rotational diffusion", found["rotational_diffusion"]),
+        "turning_rad_s": ("mean turning", estimates["turning_bias"]),
+        "rotational_diffusion_rad2_s": ("rotational diffusion", estimates["rotational_diffusion"]),
         "translational_diffusion_mm2_s": ("translational diffusion", motion.translation),
     }
     other = {
-        "turning_sd_rad_s": found["turning_scatter"],
+        "turning_sd_rad_s": estimates["turning_scatter"],
         "sideways_relaxation_s": motion.sideways,
         "turning_relaxation_s": motion.turning.time,
         "delay_s": motion.delay.mean,
-        "sideways_mm_s": found["sideways_speed"],
+        "sideways_mm_s": estimates["sideways_speed"],
         "self_alignment_per_mm": motion.aligning,
     }
     for what, number in needed.values():
@@ -99,10 +99,10 @@ def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measur
         field: _optional_quantity(field, number, motion.runs)
         for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]
     }
-    away = walker_motion.centre_of_mass(mass)
-    outline = [contour - away for contour in top_outline.outline_of(design, mass)]
+    centre = walker_motion.centre_of_mass(mass)
+    outline = [contour - centre for contour in top_outline.outline_of(design, mass)]
     length = float(np.ptp(np.concatenate(outline)[:, 0]))
-    speed, turning, rotation = (found[key] for key in ("speed", "turning_bias", "rotational_diffusion"))
+    speed, turning, rotation = (estimates[key] for key in ("speed", "turning_bias", "rotational_diffusion"))
     return Card(
         name=design.name,
         scene=scene.name,
@@ -119,14 +119,14 @@ def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measur
 
 
 def _optional_quantity(field: str, number: Quantity, runs: int) -> Quantity | None:
-    """Return the quantity of a card's field; None if the number has no value."""
+    """Return a measured number as the quantity of a card's `field`; None if it has no value."""
     if number.value is None:
         return None
     return field_quantity(field, float(number.value), None if number.se is None else float(number.se), runs)
 
 
 def write(result: CardReport, inputs: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
-    """Write card.json, tables, page and figure into a folder."""
+    """Write card.json, tables, page, figure, and a manifest with `inputs`, into a folder."""
     result = replace(result, folder=folder)
     with Folder(folder) as target:
         target.write(CARD_FILE, cards.to_json(result.card))

@@ -12,8 +12,7 @@ from walkergen.guests.crowd.cards.card import Overdamped
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 
 NEGLIGIBLE_SHARE = 0.1
-"""Share of a direction or a length below which it is neglected: our choice, about the error of the
-numbers themselves."""
+"""Turn (rad) and coasting distance (lengths) below which inertia is neglected: our choice, about their error."""
 
 SOURCES = (
     "Scholz, Jahanshahi, Ldov, Loewen (Nat. Commun. 9, 5156, 2018) saw velocities of printed "

@@ -2,10 +2,10 @@
 
 A walker of mass m in friction gamma follows its heading e by m dv/dt = gamma (v0 e - v) + noise,
 an active Brownian particle with inertia (Scholz, Jahanshahi, Ldov, Loewen, Nat. Commun. 9, 5156,
-2018); so does its rate of turning its mean. The part of the velocity that the heading explains is subtracted
-for each walker. The correlation and the spread of the rest give the relaxation time m / gamma and the
-diffusion. Vectors in the plane are complex numbers x + i y. `exact` marks tracks without noise of
-positions, as of simulations. `followed` is a unit velocity that lags behind the heading.
+2018). Its turning rate follows the mean turning rate in the same way. The part of the velocity that the heading
+explains is subtracted for each walker. The correlation and the spread of the rest give the relaxation time m / gamma
+and the diffusion. Vectors in the plane are complex numbers x + i y, and headings unit vectors. `exact`: True for
+simulated tracks, False for films, whose positions have noise. `followed`: lagged heading, from `_lagged_heading`.
 """
 
 import math
@@ -24,8 +24,7 @@ from walkergen.analysis.turning import PIECES
 from walkergen.core import Array, Complex, Quantity, jackknife_error
 
 FIT_CUTOFF = math.exp(-1.0)
-"""Share of the first correlation at which its fit ends. Later lags lower no error: of ten ensembles
-of one walker, times scatter by as much as their errors say."""
+"""Share of the first correlation at which its fit ends. Later lags do not reduce the error of the fitted time."""
 
 MIN_STEPS_PER_RELAXATION, MAX_STEPS_PER_SAMPLE = 4, 40
 """Steps of a following velocity in a time of relaxation, at least, and in a sample, at most."""
@@ -60,50 +59,53 @@ class Relaxation(NamedTuple):
 
 
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
-    """Measure the velocity's relaxation and the translational diffusion (mm^2/s) of each axis, by iteration."""
-    relaxation_time, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
+    """Measure the velocity's relaxation and the translational diffusion (mm^2/s) of each axis.
+
+    They are found by iteration, as the lag behind the heading depends on the relaxation time.
+    """
+    relaxation_time, piece_size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
     relaxation, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
     for _ in range(MAX_ITERATIONS):
         followed = [_lagged_heading(track, relaxation_time / tracks.interval) for track in tracks.tracks]
         skip = math.ceil(TRANSIENT_RELAXATIONS * relaxation_time / tracks.interval)
-        rest = [
-            _residual_velocity(track, unit, skip, tracks.interval)
-            for track, unit in zip(tracks.tracks, followed, strict=True)
+        fluctuations = [
+            _residual_velocity(track, lagged, skip, tracks.interval)
+            for track, lagged in zip(tracks.tracks, followed, strict=True)
         ]
-        diffusion = _residual_diffusion(tracks, followed, skip, size, relaxation_time)
-        relaxation = fit_relaxation(VELOCITY_KEY, rest, tracks.interval, exact, diffusion)
+        diffusion = _residual_diffusion(tracks, followed, skip, piece_size, relaxation_time)
+        relaxation = fit_relaxation(VELOCITY_KEY, fluctuations, tracks.interval, exact, diffusion)
         new_time = relaxation.time.value
         if new_time is None or abs(new_time - relaxation_time) < 1e-3 * relaxation_time:
             break
         relaxation_time = new_time
-    piece = size * tracks.interval
-    if (relaxation.time.value or 0.0) > piece:
-        reason = f"relaxes within {relaxation.time.value:.2g} s, longer than pieces of {piece:.2g} s"
+    piece_seconds = piece_size * tracks.interval
+    if (relaxation.time.value or 0.0) > piece_seconds:
+        reason = f"relaxes within {relaxation.time.value:.2g} s, longer than pieces of {piece_seconds:.2g} s"
         relaxation = _missing_relaxation(VELOCITY_KEY, f"{reason}. Use longer runs or films")
     if relaxation.time.value is None:
         diffusion = refusal(DIFFUSION_KEY, relaxation.time.refused)
     if relaxation.noise and diffusion.value is not None:
-        raised = relaxation.noise**2 / piece
-        diffusion = diffusion._replace(value=max(diffusion.value - raised, 0.0))
+        noise_part = relaxation.noise**2 / piece_seconds
+        diffusion = diffusion._replace(value=max(diffusion.value - noise_part, 0.0))
     return relaxation, diffusion
 
 
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
-    """Measure the velocity's relaxation along the earlier heading. `both`, `diffusion`: of `measure_velocity`."""
-    rests, ahead = [], []
+    """Measure the velocity's relaxation along the earlier heading. `both`, `diffusion`: from `measure_velocity`."""
+    fluctuations, parts_ahead = [], []
     for track in tracks.tracks:
-        rest, middle = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
-        rests.append(rest)
-        ahead.append((rest * np.conj(middle)).real * middle)
-    return fit_relaxation(VELOCITY_KEY, rests, tracks.interval, exact, diffusion, axes=1, parts=ahead)
+        rest, middle_heading = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
+        fluctuations.append(rest)
+        parts_ahead.append((rest * np.conj(middle_heading)).real * middle_heading)
+    return fit_relaxation(VELOCITY_KEY, fluctuations, tracks.interval, exact, diffusion, axes=1, parts=parts_ahead)
 
 
 def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
     """Measure the relaxation of the turning rate (rad/s). `diffusion`: of the heading, rad^2/s."""
     rates = []
     for track in tracks.tracks:
-        unit = np.exp(1j * _headings(track))
-        turned = np.angle(unit[1:] * np.conj(unit[:-1])) / tracks.interval
+        heading = np.exp(1j * _headings(track))
+        turned = np.angle(heading[1:] * np.conj(heading[:-1])) / tracks.interval
         rates.append((turned - np.nanmean(turned)).astype(complex))
     return fit_relaxation("turning_relaxation", rates, tracks.interval, exact, diffusion, axes=1)
 
@@ -130,17 +132,17 @@ def fit_relaxation(
     lags = np.arange(min(longest, MAX_LAGS) + 1, dtype=np.int64)
     first = 1 if exact else 2
     if len(pieces) < MIN_SAMPLES or longest < first + 3 or diffusion.value is None:
-        few = (
+        too_few = (
             f"{len(pieces)} independent samples of {length} intervals, but at least "
             f"{MIN_SAMPLES} of {4 * (first + 3)} are needed. Use more runs or longer films"
         )
-        return _missing_relaxation(key, diffusion.refused or few)
+        return _missing_relaxation(key, diffusion.refused or too_few)
     sums = [lag_sums.sum_cross_products(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
     # Each track's own mean was taken off: what that removed of every product.
     seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
     removed = 2.0 * diffusion.value / seconds
     total, pairs = (np.sum(parts, axis=0) for parts in zip(*sums, strict=True))
-    whole, *without = [
+    whole, *without = [  # correlations of all samples, and without each in turn
         (total - own).real / (axes * np.maximum(pairs - number, 1.0)) + removed for own, number in [(0.0, 0.0), *sums]
     ]
     errors = jackknife_error(np.array(without))
@@ -155,14 +157,19 @@ def fit_relaxation(
         noise = 0.0 if exact else interval * math.sqrt(max(whole[0] - at_once, 0.0) / 2.0)
         se = float(jackknife_error(times[1:, None])[0])
         relaxed = Quantity(key, "s", float(time), se, len(pieces) - 1.0)
-        return Relaxation(relaxed, True, math.sqrt(max(variance, 0.0)), noise, curve)
+        return Relaxation(
+            relaxed, resolved=True, deviation=math.sqrt(max(variance, 0.0)), noise=noise, correlation=curve
+        )
     return _unresolved_relaxation(key, whole[0], np.array(without)[:, 0], diffusion, interval, curve)
 
 
 def _unresolved_relaxation(
     key: str, mean_square: float, jackknife: Array, diffusion: Quantity, interval: float, curve: Curve
 ) -> Relaxation:
-    """Compute a relaxation shorter than `interval`, from mean squares: of all samples, and without each in turn."""
+    """Compute a relaxation shorter than `interval` from the mean square of the fluctuations.
+
+    `mean_square`: of all samples. `jackknife`: the same without each sample in turn, shape (samples,).
+    """
     assert diffusion.value is not None
     whole = _relaxation_time(mean_square, diffusion.value, interval)
     times = [_relaxation_time(own, diffusion.value, interval) for own in jackknife]
@@ -172,11 +179,11 @@ def _unresolved_relaxation(
         se = math.hypot(se, more - whole)
     deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(mean_square, 0.0))
     relaxed = Quantity(key, "s", whole, se, len(jackknife) - 1.0)
-    return Relaxation(relaxed, False, deviation, 0.0, curve)
+    return Relaxation(relaxed, resolved=False, deviation=deviation, noise=0.0, correlation=curve)
 
 
 def _relaxation_time(mean_square: float, diffusion: float, interval: float) -> float:
-    """Return the relaxation time (s) that gives this mean square of means over `interval` s; 0 if none does."""
+    """Return the relaxation time (s) for a mean square of velocities averaged over `interval` s; 0 if none fits it."""
     ratio = mean_square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
     if not 0.0 < ratio < 1.0:
         return 0.0
@@ -195,7 +202,8 @@ def _fit_exponentials(
 ) -> list[tuple[float, float]] | None:
     """Fit the height and time (s) of an exponential to each of the correlations; None if one cannot be fitted.
 
-    `correlations`: of all samples, then without each. Fits end where that of all has fallen to FIT_CUTOFF.
+    `correlations`: of all samples, then without each in turn. `first`: lag at which fits begin, in intervals. Fits end
+    where the correlation of all samples has fallen to FIT_CUTOFF times its first fitted value.
     """
     whole = correlations[0]
     if not whole[first] > 3.0 * errors[first] > 0.0:
@@ -205,13 +213,13 @@ def _fit_exponentials(
     window = slice(first, min(end, len(whole)))
     lag: Array = interval * np.arange(len(whole), dtype=float)[window]
 
-    def model(at: Array, height: float, rate: float) -> Array:
+    def exponential(at: Array, height: float, rate: float) -> Array:
         return np.asarray(height * np.exp(-rate * at))
 
     start = float(whole[first]), 1.0 / (interval * end)
     fits = []
     for correlation in correlations:
-        fitted = persistent_walk.fit(model, lag, correlation[window], errors[window], start)
+        fitted = persistent_walk.fit(exponential, lag, correlation[window], errors[window], start)
         if fitted is None or not fitted[1] > 0.0:
             return None
         fits.append((float(fitted[0]), 1.0 / float(fitted[1])))
@@ -233,42 +241,37 @@ def _headings(track: Track) -> Array:
 
 
 def _lagged_heading(track: Track, samples: float) -> Complex:
-    """Return, for each interval, the mean unit velocity that follows the heading within `samples` intervals."""
+    """Return a velocity that relaxes to the unit heading within `samples` intervals: its mean over each interval."""
     heading, count = _headings(track), len(track.position)
     (known,) = np.nonzero(~np.isnan(heading))
     if len(known) < 2:
         return np.full(count - 1, np.nan, complex)
-    fine = min(
-        max(
-            MIN_STEPS_PER_RELAXATION,
-            math.ceil(MIN_STEPS_PER_RELAXATION / samples) if samples else MIN_STEPS_PER_RELAXATION,
-        ),
-        MAX_STEPS_PER_SAMPLE,
-    )
-    at = np.linspace(0.0, count - 1.0, (count - 1) * fine + 1)
-    unit = np.exp(1j * np.interp(at, known, np.unwrap(heading[known])))  # turns steadily, also in gaps
+    least = MIN_STEPS_PER_RELAXATION
+    substeps = min(max(least, math.ceil(least / samples) if samples else least), MAX_STEPS_PER_SAMPLE)
+    times = np.linspace(0.0, count - 1.0, (count - 1) * substeps + 1)
+    unit = np.exp(1j * np.interp(times, known, np.unwrap(heading[known])))  # turns steadily, also in gaps
     if samples > 1.0 / MAX_STEPS_PER_SAMPLE:
-        kept = math.exp(-1.0 / (fine * samples))
-        half = [0.5 * (1.0 - kept)] * 2
-        start = signal.lfiltic(half, [1.0, -kept], unit[:1], unit[:1])
-        unit, _ = signal.lfilter(half, [1.0, -kept], unit, zi=start)
+        decay = math.exp(-1.0 / (substeps * samples))
+        numerator = [0.5 * (1.0 - decay)] * 2
+        start = signal.lfiltic(numerator, [1.0, -decay], unit[:1], unit[:1])
+        unit, _ = signal.lfilter(numerator, [1.0, -decay], unit, zi=start)
     means = 0.5 * (unit[1:] + unit[:-1])
-    return np.asarray(means.reshape(count - 1, fine).mean(axis=1))
+    return np.asarray(means.reshape(count - 1, substeps).mean(axis=1))
 
 
 def _residual_velocity(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
-    """Return the velocity (mm/s) less its best-fitting multiple of `followed`, from interval `skip` on."""
-    moved = np.diff(moments.complex_position(track))[skip:] / interval
-    unit = followed[skip:]
-    known = ~np.isnan(moved) & ~np.isnan(unit)
+    """Return the velocity (mm/s) less its best-fitting multiple of `followed`, without the first `skip` intervals."""
+    velocity = np.diff(moments.complex_position(track))[skip:] / interval
+    lagged = followed[skip:]
+    known = ~np.isnan(velocity) & ~np.isnan(lagged)
     if not known.any():
         return np.zeros(0, complex)
-    share = np.vdot(unit[known], moved[known]) / np.vdot(unit[known], unit[known]).real
-    return np.asarray(np.where(known, moved - share * unit, np.nan))
+    share = np.vdot(lagged[known], velocity[known]) / np.vdot(lagged[known], lagged[known]).real
+    return np.asarray(np.where(known, velocity - share * lagged, np.nan))
 
 
 def _residuals_and_headings(track: Track, relaxation_time: float, interval: float) -> tuple[Complex, Complex]:
-    """Return the velocity that the heading does not explain (mm/s) and the mean heading, by interval."""
+    """Return the velocity that the heading does not explain (mm/s) and the middle heading, by interval."""
     skip = math.ceil(TRANSIENT_RELAXATIONS * relaxation_time / interval)
     rest = _residual_velocity(track, _lagged_heading(track, relaxation_time / interval), skip, interval)
     heading = np.exp(1j * _headings(track))
@@ -277,21 +280,22 @@ def _residuals_and_headings(track: Track, relaxation_time: float, interval: floa
 
 
 def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, memory: float) -> Quantity:
-    """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of `size` samples, from `skip` on.
+    """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of `size` samples.
 
-    A multiple of the path along the heading is fitted to a walker's displacements in all pieces. The squared rest in a
-    piece of t s is 4 D t on average, less in short pieces as velocities relax within `memory` s.
+    The first `skip` samples are left out. A multiple of the path along the heading is fitted to a walker's
+    displacements in all pieces. The squared rest in a piece of t s is 4 D t on average, less in pieces that are not
+    much longer than the velocity's relaxation time `memory` (s).
     """
     diffusions: list[Array] = []
     for track, velocity in zip(tracks.tracks, followed, strict=True):
-        ways, paths, seconds = _piece_displacements(track, velocity, skip, size, tracks.interval)
-        if len(ways) < 2:
+        displacements, paths, seconds = _piece_displacements(track, velocity, skip, size, tracks.interval)
+        if len(displacements) < 2:
             continue
-        fitted = np.sum(np.conj(paths) * ways / seconds) / np.sum(np.abs(paths) ** 2 / seconds)
-        late = 1.0 + memory / seconds * np.expm1(-seconds / memory) if memory else 1.0
-        rest = np.abs(ways - fitted * paths) ** 2 / (4.0 * seconds * late)
-        diffusions.append(rest * len(ways) / (len(ways) - 1.0))
-    count = sum(len(own) - 1 for own in diffusions)
+        speed = np.sum(np.conj(paths) * displacements / seconds) / np.sum(np.abs(paths) ** 2 / seconds)
+        build_up = 1.0 + memory / seconds * np.expm1(-seconds / memory) if memory else 1.0
+        rest = np.abs(displacements - speed * paths) ** 2 / (4.0 * seconds * build_up)
+        diffusions.append(rest * len(displacements) / (len(displacements) - 1.0))
+    count = sum(len(by_piece) - 1 for by_piece in diffusions)
     if count < MIN_SAMPLES:
         reason = f"{count} independent pieces of tracks, but at least {MIN_SAMPLES} are needed"
         return refusal(DIFFUSION_KEY, f"{reason}. Use more runs or longer films")
@@ -303,7 +307,7 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
 def _piece_displacements(
     track: Track, followed: Complex, skip: int, size: int, interval: float
 ) -> tuple[Complex, Complex, Array]:
-    """Return, by piece of about `size` samples: displacement (mm), path of the velocity `followed`, and time (s)."""
+    """Return displacement (mm), path along `followed` (s) and time (s) of each piece of about `size` samples."""
     place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []
@@ -314,10 +318,11 @@ def _piece_displacements(
         low, high = start + seen[0], start + seen[-1]
         path = interval * followed[low:high].sum()
         rows.append((place[high] - place[low], path, (high - low) * interval))
-    ways, paths, seconds = np.array(rows, dtype=complex).reshape(-1, 3).T
-    return ways, paths, seconds.real
+    displacements, paths, seconds = np.array(rows, dtype=complex).reshape(-1, 3).T
+    return displacements, paths, seconds.real
 
 
 def _missing_relaxation(key: str, reason: str) -> Relaxation:
-    none = np.zeros(0)
-    return Relaxation(Quantity(key, "s", None, refused=reason), False, math.nan, 0.0, Curve(none, none, none))
+    """Return a relaxation without values, because of `reason`."""
+    time, empty = Quantity(key, "s", None, refused=reason), np.zeros(0)
+    return Relaxation(time, resolved=False, deviation=math.nan, noise=0.0, correlation=Curve(empty, empty, empty))

@@ -86,14 +86,14 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
     )
     sloping, _ = _simulate_tracks(scene.variant(**SLOPE_SETTINGS), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
-    return measure_tracks(level, True, (note,))._replace(
+    return measure_tracks(level, exact=True, notes=(note,))._replace(
         sideways=sideways_relaxation(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG))),
-        aligning=alignment.self_alignment(groups, sloping.interval, 0.0)[ALIGNMENT_NAMES[0]],
+        aligning=alignment.self_alignment(groups, sloping.interval, descent=0.0)[ALIGNMENT_NAMES[0]],
     )
 
 
 def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
-    """Simulate tracks of the centre of mass in runs that ended well; describe how all runs ended."""
+    """Return tracks of the centre of mass in simulated runs that ended well, and a text on how all runs ended."""
     experiment = Walker(scene, design, mass)
     interval = 1.0 / experiment.shaken.frequency
     trajectory.check_sample_count(scene, interval, scene.run.runs)
@@ -105,7 +105,7 @@ def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progres
     if not good:
         raise InputError(f"no run ended well ({ended}). Use another scene, or other feet.")
     shift = centre_of_mass(mass)
-    places = [shift_poses(trajectory.sample_rows(result)[:, 1:4], shift) for result in good]
+    places = [shift_poses(trajectory.sample_rows(result)[:, 1:4], shift) for result in good]  # x, y, heading
     return tracks.from_places(places, interval, lane=False), ended
 
 
@@ -125,6 +125,7 @@ def sideways_relaxation(sloping: Tracks, acceleration: float) -> Quantity:
         rows.append([float(push @ left), float(push @ push), float(push.sum()), float(left.sum()), len(left)])
     sums = np.array(rows)
     whole = sums.sum(axis=0)
+    # Slope of a line fitted to `left` by `push`: of all tracks, then without each in turn
     times = np.array([(a - c * d / n) / (b - c * c / n) for a, b, c, d, n in (whole, *(whole - sums))])
     se = float(jackknife_error(times[1:, None])[0])
     if not times[0] > 3.0 * se:
@@ -152,11 +153,14 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
             f"every {stride}th frame is used, once in a period of the drive "
             f"({scene.drive.frequency:g} Hz), which leaves out the bouncing"
         )
-    return measure_tracks(_subsample(read, stride), False, tuple(notes))
+    return measure_tracks(_subsample(read, stride), exact=False, notes=tuple(notes))
 
 
 def measure_tracks(walker_tracks: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
-    """Measure the motion in tracks with headings; `exact` marks positions without noise."""
+    """Measure the motion in tracks with headings. `exact`: whether positions have no noise, as from a simulation.
+
+    `notes`: sentences on the origin of the tracks. Numbers that need a sideways push have no value.
+    """
     moved = motion.analyse(walker_tracks)
     both, translation = relaxation.measure_velocity(walker_tracks, exact)
     velocity = relaxation.measure_along_heading(walker_tracks, exact, both, translation)
@@ -178,7 +182,7 @@ def measure_tracks(walker_tracks: Tracks, exact: bool, notes: tuple[str, ...]) -
 
 
 def centre_of_mass(mass: MassProperties) -> Array:
-    """Return the centre of mass relative to a trajectory's point O: forward and to the left, mm."""
+    """Return the centre of mass relative to point O of a trajectory: forward and to the left, mm, shape (2,)."""
     return np.array([1.0, -1.0]) * _centre_and_inertia(mass)[0][[0, 2]]
 
 
@@ -188,15 +192,15 @@ def yaw_inertia(mass: MassProperties) -> float:
 
 
 def _centre_and_inertia(mass: MassProperties) -> tuple[Array, Array]:
-    """Return the centre of mass (mm) from O at half depth, and the inertia tensor about it, g mm^2."""
+    """Return the centre of mass from O (mm), and the inertia tensor about it (g mm^2): forward, up, to the right."""
     assert mass.spatial is not None
-    each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
+    part_masses = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
-    return masses.centre_and_inertia(mass.spatial, mass.legs, each, centres)
+    return masses.centre_and_inertia(mass.spatial, mass.legs, part_masses, centres)
 
 
 def shift_poses(poses: Array, shift: Array) -> Array:
-    """Move poses (x, y, heading), shape (n, 3), by `shift`: so much forward and to the left, mm."""
+    """Move poses (x, y in mm, heading in rad), shape (n, 3), by `shift` (forward, to the left), mm, shape (2,)."""
     cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     x = poses[:, 0] + cos * shift[0] - sin * shift[1]
     y = poses[:, 1] + sin * shift[0] + cos * shift[1]

@@ -87,7 +87,7 @@ def typical_inverse_mass(card: Card) -> float:
 
 
 def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
-    """Compute contacts of all kinds and walls, and their time step, from each kind's card, motion and discs."""
+    """Compute the contacts of all kinds and walls, and their time step. Arguments: card, motion and discs by kind."""
     inverses = [typical_inverse_mass(card) for card in cards]
     overlap = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
     speed = max(2.0 * _approach_speed(motion) for motion in motions)
@@ -117,7 +117,7 @@ def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequen
 
 
 def _approach_speed(motion: Motion) -> float:
-    """Return the typical speed of a body's points at the radius of gyration, mm/s."""
+    """Return the typical speed (mm/s) of a body's point whose distance from C is the radius of gyration."""
     speed, rate = motion.typical
     return speed + rate * math.sqrt(motion.inertia / motion.mass)
 

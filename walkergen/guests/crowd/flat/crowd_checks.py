@@ -38,39 +38,32 @@ def make_crowd(
     """
     if not 1 <= len(cards) <= MAX_KINDS:
         raise argument_error("cards", len(cards), f"1 to {MAX_KINDS} kinds")
-    where, numbers = np.asarray(places, float), np.asarray(kinds)
-    if where.ndim != 2 or where.shape[1:] != (3,) or not len(where):
-        raise argument_error("places", where.shape, "of shape (N, 3), N >= 1")
-    if not np.isfinite(where).all():
-        row = int(np.argmin(np.isfinite(where).all(axis=1)))
-        raise argument_error(f"places[{row}]", where[row].tolist(), "numbers: x, y in mm, heading in rad")
-    if numbers.shape != (len(where),) or not np.issubdtype(numbers.dtype, np.integer):
-        raise argument_error("kinds", f"{numbers.dtype} of shape {numbers.shape}", f"{len(where)} integers")
-    if numbers.min() < 0 or numbers.max() >= len(cards):
-        raise argument_error("kinds", f"{numbers.min()} to {numbers.max()}", f"0 to {len(cards) - 1}")
+    poses, kind_of_walker = np.asarray(places, float), np.asarray(kinds)
+    if poses.ndim != 2 or poses.shape[1:] != (3,) or not len(poses):
+        raise argument_error("places", poses.shape, "of shape (N, 3), N >= 1")
+    if not np.isfinite(poses).all():
+        row = int(np.argmin(np.isfinite(poses).all(axis=1)))
+        raise argument_error(f"places[{row}]", poses[row].tolist(), "numbers: x, y in mm, heading in rad")
+    if kind_of_walker.shape != (len(poses),) or not np.issubdtype(kind_of_walker.dtype, np.integer):
+        raise argument_error(
+            "kinds", f"{kind_of_walker.dtype} of shape {kind_of_walker.shape}", f"{len(poses)} integers"
+        )
+    if kind_of_walker.min() < 0 or kind_of_walker.max() >= len(cards):
+        raise argument_error("kinds", f"{kind_of_walker.min()} to {kind_of_walker.max()}", f"0 to {len(cards) - 1}")
     for name, value in (("seconds", seconds), ("rate_hz", rate_hz)):
         if not (math.isfinite(value) and value > 0.0):
             raise argument_error(name, value, "> 0")
     if not 0 <= seed < 2**63:
         raise argument_error("seed", seed, "0 to 2^63 - 1")
     count = lammps_input.frame_count(seconds, rate_hz)
-    if count < 2 or 3 * count * len(where) > MAX_NUMBERS:
+    if count < 2 or 3 * count * len(poses) > MAX_NUMBERS:
         raise argument_error(
             "seconds times rate_hz",
             seconds * rate_hz,
-            f">= 1, and below {MAX_NUMBERS // (3 * len(where))} for {len(where)} walkers",
+            f">= 1, and below {MAX_NUMBERS // (3 * len(poses))} for {len(poses)} walkers",
         )
-    crowd = lammps_input.Crowd(
-        cards,
-        numbers.astype(np.int64),
-        dish,
-        where,
-        _turning_rates(cards, numbers, seed),
-        seconds,
-        rate_hz,
-        seed,
-        running,
-    )
+    turning, indices = _turning_rates(cards, kind_of_walker, seed), kind_of_walker.astype(np.int64)
+    crowd = lammps_input.Crowd(cards, indices, dish, poses, turning, seconds, rate_hz, seed, running)
     _check_rate(crowd)
     _check_room(crowd)
     return crowd
@@ -90,13 +83,13 @@ def _turning_rates(cards: Sequence[Card], kinds: Whole, seed: int) -> Array:
 
 
 def _check_rate(crowd: lammps_input.Crowd) -> None:
-    """Raise InputError where a heading may turn by more than half a turn between frames."""
-    spread = max(card.rotational_diffusion_rad2_s.number for card in crowd.cards)
+    """Raise InputError if headings may turn by more than half a turn (four standard deviations) between frames."""
+    diffusion = max(card.rotational_diffusion_rad2_s.number for card in crowd.cards)
     interval = 1.0 / crowd.rate_hz
-    turn = float(np.abs(crowd.turning).max()) * interval + 4.0 * math.sqrt(2.0 * spread * interval)
+    turn = float(np.abs(crowd.turning).max()) * interval + 4.0 * math.sqrt(2.0 * diffusion * interval)
     if turn > math.pi:
-        least = crowd.rate_hz * (turn / math.pi) ** 2
-        raise argument_error("rate_hz", f"{crowd.rate_hz:g}", f">= {least:.3g}, to follow the headings")
+        min_rate_hz = crowd.rate_hz * (turn / math.pi) ** 2
+        raise argument_error("rate_hz", f"{crowd.rate_hz:g}", f">= {min_rate_hz:.3g}, to follow the headings")
 
 
 def _check_room(crowd: lammps_input.Crowd) -> None:
@@ -137,7 +130,7 @@ def _wrap_points(points: Array, period: float) -> Array:
 
 
 def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
-    """Return centres (mm), shape (A, 2), radii and walkers' numbers of all discs. `shapes`: discs by kind."""
+    """Return centres (A, 2) and radii (A,), mm, and walkers (A,) of all A discs. `shapes`: discs by kind."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
         walkers = np.flatnonzero(crowd.kinds == kind)
@@ -152,7 +145,7 @@ def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tu
 
 
 def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
-    """Compute the gap (mm) between each disc about `points` and the nearest wall, negative inside a wall."""
+    """Return each disc's gap to the nearest wall (mm), shape (A,); negative inside it. `points`: centres, (A, 2)."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)
     if dish.kind == "periodic":

@@ -85,9 +85,9 @@ def inscribed_radius(card: Card) -> float:
 
 
 def cover_outline(card: Card, tolerance: float) -> Discs:
-    """Choose discs inside a card's outline that leave no point of it farther from them than `tolerance`, mm.
+    """Choose discs inside a card's outline so that no point of it is farther than `tolerance` (mm) from them.
 
-    Tips that need discs below half the tolerance are left out. Greedy: each next disc covers the most uncovered points.
+    Tips that need radii below half the tolerance stay uncovered. Greedy: each disc covers the most uncovered points.
     """
     edge = outline_rim(card)
     radii = _inscribed_radii(edge)

@@ -70,7 +70,7 @@ def find_lammps() -> Engine:
 
 
 def check_release(help_text: str, program: str) -> date:
-    """Parse the release of a LAMMPS from `lmp -h`. Raises InputError if it does not fit."""
+    """Parse the release of a LAMMPS from the output of `lmp -h`. Raises InputError if it is old or lacks packages."""
     stamp = RELEASE_PATTERN.search(help_text)
     if stamp is None:
         raise InputError(f"{program}: reports no version of LAMMPS. {_advice()}")
@@ -101,7 +101,7 @@ def run_script(engine: Engine, folder: Path, script: str, progress: Progress) ->
             last.append(line.rstrip())
             step = STEP_PATTERN.fullmatch(line.rstrip("\n"))
             if step:
-                progress("crowd in LAMMPS", int(step[1]), 0)
+                progress("crowd in LAMMPS", int(step[1]), 0)  # 0: the total is unknown here
         code = child.wait()
     if code:
         raise _run_error(code, list(last))
@@ -131,7 +131,7 @@ def _child_process(command: list[str], folder: Path, environment: dict[str, str]
 
 
 def _stop_process(child: subprocess.Popen[str]) -> None:
-    """End a process and, where the system has groups of them, all that it started."""
+    """End a process and, on POSIX, all processes that it started. Kill them after STOP_TIMEOUT_S."""
     if child.poll() is None:
         _send_signal(child, signal.SIGTERM)
         try:

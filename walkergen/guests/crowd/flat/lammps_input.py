@@ -2,8 +2,8 @@
 
 Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle without size at the
 centre of mass C carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as
-torque. For a turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units
-lj` leaves all factors 1.
+torque. For a turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units lj` leaves all
+factors 1. `parts`: forces, discs and contacts of the crowd's kinds, from `mechanics`. k: number of a kind.
 """
 
 import math
@@ -69,12 +69,12 @@ class Mechanics(NamedTuple):
 
 
 def outline_tolerance(cards: Sequence[Card]) -> float:
-    """Return how far (mm) discs may leave points of outlines uncovered, from the narrowest walker."""
+    """Return the largest distance (mm) of outlines from their discs: a share of the narrowest walker's widest disc."""
     return DISC_TOLERANCE * min(discs.inscribed_radius(card) for card in cards)
 
 
 def mechanics(cards: Sequence[Card]) -> Mechanics:
-    """Compute motions, discs and contacts of each card."""
+    """Compute the forces, the discs and the contact laws of each card."""
     motions = [motion.from_card(card) for card in cards]
     bodies = [discs.cover_outline(card, outline_tolerance(cards)) for card in cards]
     return Mechanics(motions, bodies, contact.contact_laws(cards, motions, bodies))
@@ -181,15 +181,15 @@ def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
 def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
     """Return the commands for drag and noise on the velocity and turning rate of each kind."""
     lines = []
-    for k, one in enumerate(parts.motions):
+    for k, model in enumerate(parts.motions):
         first, second = np.random.SeedSequence([crowd.seed, k]).generate_state(2) % 899_999_999
         lines += [
             f"group core{k + 1} type {k + 1}",
-            f"fix drag{k + 1} core{k + 1} langevin {_format_number(one.heat)} {_format_number(one.heat)} "
-            f"{_format_number(one.relaxation)} {first + 1}",
-            f"fix turn{k + 1} core{k + 1} langevin {_format_number(one.spin_heat)} {_format_number(one.spin_heat)} "
+            f"fix drag{k + 1} core{k + 1} langevin {_format_number(model.heat)} {_format_number(model.heat)} "
+            f"{_format_number(model.relaxation)} {first + 1}",
+            f"fix turn{k + 1} core{k + 1} langevin {_format_number(model.spin_heat)} {_format_number(model.spin_heat)} "
             f"{_format_number(INFINITE_RELAXATION_S)} {second + 1} angmom "
-            f"{_format_number(INFINITE_RELAXATION_S / one.turning_relaxation)}",
+            f"{_format_number(INFINITE_RELAXATION_S / model.turning_relaxation)}",
         ]
     return lines
 
@@ -201,12 +201,12 @@ def _sideways_drag_commands(parts: Mechanics) -> list[str]:
         'variable sine atom "2.0*c_heading[1]*c_heading[2]"',
         'variable left atom "vy*v_cosine - vx*v_sine"',
     ]
-    for k, one in enumerate(parts.motions):
-        more = one.mass / one.sideways_relaxation - one.mass / one.relaxation
-        if more:
+    for k, model in enumerate(parts.motions):
+        extra_drag = model.mass / model.sideways_relaxation - model.mass / model.relaxation
+        if extra_drag:
             lines += [
-                f'variable sidex{k + 1} atom "{_format_number(more)}*v_left*v_sine"',
-                f'variable sidey{k + 1} atom "{_format_number(-more)}*v_left*v_cosine"',
+                f'variable sidex{k + 1} atom "{_format_number(extra_drag)}*v_left*v_sine"',
+                f'variable sidey{k + 1} atom "{_format_number(-extra_drag)}*v_left*v_cosine"',
                 f"fix side{k + 1} core{k + 1} addforce v_sidex{k + 1} v_sidey{k + 1} 0.0",
             ]
     return lines if len(lines) > 3 else []
@@ -226,11 +226,12 @@ def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
     ellipsoids: list[str] = []
     members: list[str] = []
     for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
-        one, body = parts.motions[k], parts.discs[k]
-        lever = math.sqrt(one.inertia / one.mass)
-        aside = one.inertia * crowd.turning[number - 1] / one.turning_relaxation / lever
+        model, body = parts.motions[k], parts.discs[k]
+        lever = math.sqrt(model.inertia / model.mass)
+        aside = model.inertia * crowd.turning[number - 1] / model.turning_relaxation / lever
         c, s = math.cos(angle), math.sin(angle)
-        rows = [(k + 1, 0.0, 0.0, 0.0, one.push, -aside), (count + 1, lever, 0.0, 0.0, 0.0, aside)]
+        # Type, place from C (forward, left), diameter, force (forward, left)
+        rows = [(k + 1, 0.0, 0.0, 0.0, model.push, -aside), (count + 1, lever, 0.0, 0.0, 0.0, aside)]
         rows += [
             (count + 2 + k, u, v, 2.0 * radius, 0.0, 0.0)
             for (u, v), radius in zip(body.places, body.radii, strict=True)
@@ -266,13 +267,13 @@ def _body_data(crowd: Crowd, parts: Mechanics) -> str:
     """Return the text of the body file: mass, centre, inertia, velocity and angular momentum at the start."""
     rows = [str(len(crowd.places))]
     for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
-        one = parts.motions[k]
-        inertia = _format_number(one.inertia)
+        model = parts.motions[k]
+        inertia = _format_number(model.inertia)
         speed = crowd.cards[k].speed_mm_s.number if crowd.running else 0.0
         vx, vy = speed * math.cos(angle), speed * math.sin(angle)
-        spin = one.inertia * crowd.turning[number - 1] if crowd.running else 0.0
+        spin = model.inertia * crowd.turning[number - 1] if crowd.running else 0.0
         rows.append(
-            f"{number} {_format_number(one.mass)} {_format_number(x)} {_format_number(y)} 0 {inertia} "
+            f"{number} {_format_number(model.mass)} {_format_number(x)} {_format_number(y)} 0 {inertia} "
             f"{inertia} {inertia} 0 0 0 "
             f"{_format_number(vx)} {_format_number(vy)} 0 0 0 {_format_number(spin)} 0 0 0"
         )

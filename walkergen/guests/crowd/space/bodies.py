@@ -1,4 +1,4 @@
-"""Input of the kernels for a crowd: its walkers, the shapes of their bodies, the ground, the law."""
+"""Input of the kernels for a crowd: its walkers, the shapes of their bodies, the ground, the contact law."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -153,7 +153,7 @@ def make_bodies(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
 
 
 def _bounding_box(corners: Array) -> Array:
-    """Return the middle and half sizes of the box of corners, shape (4,)."""
+    """Return middle x, z and half sizes along x, z of the bounding box of `corners`, shape (4,), mm."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     return np.concatenate([0.5 * (low + high), 0.5 * (high - low)])
 
@@ -169,7 +169,7 @@ def make_ground(dish: Dish | None) -> Ground:
 def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
     """Make the movers of walkers, and the arrays over all walkers whose memory they share."""
     count = len(worlds)
-    most = max(len(world.walker.stiffness) for world in worlds)
+    max_coordinates = max(len(world.walker.stiffness) for world in worlds)
     free = Free(
         np.zeros((count, max(map(len, states)))),
         np.zeros((count, 14)),
@@ -178,9 +178,9 @@ def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Seque
         np.zeros(count, np.int64),
         np.zeros(count),
         np.zeros((count, 3, 3)),
-        np.zeros((count, 3, most)),
-        np.zeros((count, 3, most)),
-        np.zeros((count, most, most)),
+        np.zeros((count, 3, max_coordinates)),
+        np.zeros((count, 3, max_coordinates)),
+        np.zeros((count, max_coordinates, max_coordinates)),
     )
     movers = []
     for i, (world, state, tally) in enumerate(zip(worlds, states, tallies, strict=True)):
@@ -191,6 +191,6 @@ def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Seque
         free.shift[i, :, :n], free.lock[i, :, :n] = walker.shift, walker.lock
         free.hinge_mobility[i, :n, :n] = walker.hinge_mobility
         work = work_for(walker, state)._replace(R=free.R[i], now=free.now[i])
-        own = free.state[i, : len(state)]
-        movers.append(Mover(world, own, work, tally._replace(sums=free.sums[i])))
+        own_state = free.state[i, : len(state)]
+        movers.append(Mover(world, own_state, work, tally._replace(sums=free.sums[i])))
     return movers, free

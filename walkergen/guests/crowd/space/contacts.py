@@ -12,7 +12,7 @@ jams of many, and the order of contacts does not matter.
 
 `crowd` is a `bodies.Crowd` and `free` its arrays; `i` and `j` are numbers of walkers. a_x, a_y, a_z: a point from C in
 body axes, mm. `pushes`: True to apply impulses, False to only add the energy of contacts to the crowd's book.
-`layer`: 0 at the bottom of both bodies, 1 at the top.
+`layer`: 0 at the bottom of both bodies, 1 at the top. mobility: inverse effective mass, 1/g.
 """
 
 import math
@@ -80,7 +80,7 @@ def _velocity(free, i, a_x, a_y, a_z):
 
 @lean
 def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Convert a vector f of the world to axes of body i. Return it and its moment about C for a force at point a."""
+    """Return a force f, given in the world, and its moment about C, both in the axes of body i. f acts at point a."""
     R = free.R
     b_x = R[i, 0, 0] * f_x + R[i, 1, 0] * f_y + R[i, 2, 0] * f_z
     b_y = R[i, 0, 1] * f_x + R[i, 1, 1] * f_y + R[i, 2, 1] * f_z
@@ -102,9 +102,9 @@ def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
 
 @lean
 def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Apply an impulse f (world, g mm/s) to a point of body i (body axes), and record its work.
+    """Apply an impulse f (world, g mm/s) to a point of body i: change its state and its work in `free`.
 
-    Returns the point's velocity after it, mm/s. Legs lag as far as their joints allow.
+    Returns the point's velocity after it in the world, mm/s. Legs lag as far as their joints allow.
     """
     state, now, n, m = free.state, free.now, free.coordinates[i], free.inverse_mass[i]
     shift, lock, I = free.shift, free.lock, free.inverse_inertia  # noqa: E741
@@ -121,10 +121,10 @@ def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
         state[i, W_X + row] += gained
         now[i, 3 + row] += gained
     for j in range(n):
-        left = shift[i, 0, j] * b_x + shift[i, 1, j] * b_y + shift[i, 2, j] * b_z
-        left += lock[i, 0, j] * t_x + lock[i, 1, j] * t_y + lock[i, 2, j] * t_z
+        hinge_impulse = shift[i, 0, j] * b_x + shift[i, 1, j] * b_y + shift[i, 2, j] * b_z
+        hinge_impulse += lock[i, 0, j] * t_x + lock[i, 1, j] * t_y + lock[i, 2, j] * t_z
         for k in range(n):
-            slower = free.hinge_mobility[i, k, j] * left
+            slower = free.hinge_mobility[i, k, j] * hinge_impulse
             state[i, LEGS + n + k] -= slower
             for row in range(3):
                 now[i, 3 + row] += lock[i, row, k] * slower
@@ -137,9 +137,9 @@ def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 
 @lean
 def _spring_impulse(stiffness, depth, speed, tick):
-    """Return the impulse of a spring (g mm/s) in the tick about now, during which it may touch or part.
+    """Return the impulse of a spring (g mm/s) in a tick (s) centred on now, during which it may touch or part.
 
-    The depth (mm) changes at `speed` (mm/s). The spring pushes only in the part of the tick in which it touches.
+    The depth is in mm now and changes at `speed` (mm/s). The spring pushes only while it touches.
     """
     if depth >= speed * tick:
         return stiffness * depth * tick
@@ -149,9 +149,9 @@ def _spring_impulse(stiffness, depth, speed, tick):
 
 @lean
 def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
-    """Compute the impulse (g mm/s) along the normal in a tick, and that of a spring without loss.
+    """Compute the impulse (g mm/s) along the normal in a tick (s), and that of a spring without loss.
 
-    `kept`: restitution squared. `u`: normal velocity (mm/s), positive when parting. `mobility`: inverse mass, 1/g.
+    `kept`: restitution squared. `depth`: overlap, mm. `u`: normal velocity (mm/s), positive when parting.
     """
     whole = _spring_impulse(stiffness, depth, abs(u), tick)
     after = u + mobility * whole
@@ -168,8 +168,9 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
     """Push bodies i and j (or a wall, j = -1) apart where they touch, or store the energy of the contact.
 
-    The touch is at (x, z) of the plane (body i's image). Its normal (n_x, n_z) points from j to i. In each body's own
-    axes it is the point (b_x, y_i, b_z) of i and (c_x, y_j, c_z) of j. `depth`: overlap, mm.
+    Changes the bodies' states and the crowd's book. The touch is at (x, z) of the plane (body i's image). Its normal
+    (n_x, n_z) points from j to i. In each body's axes it is the point (b_x, y_i, b_z) of i and (c_x, y_j, c_z) of j.
+    `depth`: overlap, mm.
     """
     law, book, free, wall = crowd.law, crowd.book, crowd.free, j < 0
     moves_i, moves_j = crowd.status[i] == OK, not wall and crowd.status[j] == OK
@@ -237,23 +238,23 @@ FLUSH_DISTANCE_MM = 0.05
 def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
     """Return whether another corner counts the touch of a corner of body i with point (c_x, c_z) of body j.
 
-    `is_corner`: whether the point is a corner. `end`: that corner of j, or the closest one. A touch of two corners is
-    found from both bodies. It counts for the `first` body if each corner is the other's closest point, else a face is
-    closer. Faces that end together, turned a little against each other, have a corner on either face: the `first`
-    body's counts.
+    `first`: whether i is the first body of the pair. `is_corner`: whether the point is a corner of j. `end`: number of
+    that corner, or of the closest one. A touch of two corners is found from both bodies. It counts for the first body
+    if each corner is the other's closest point, else a face is closer. Faces that end together, turned a little
+    against each other, have a corner on either face: the first body's counts.
     """
     if is_corner and not first:
         return True
     bodies, planar = crowd.bodies, crowd.planar
-    own, other = bodies.kind[i], bodies.kind[j]
+    kind_i, kind_j = bodies.kind[i], bodies.kind[j]
     e_x, e_z = bodies.corners[end, 0], bodies.corners[end, 1]
     if not is_corner and (first or math.hypot(c_x - e_x, c_z - e_z) > FLUSH_DISTANCE_MM):
         return False
-    x, z = to_plane(planar, j, bodies.heights[other, own, layer], e_x, e_z)
+    x, z = to_plane(planar, j, bodies.heights[kind_j, kind_i, layer], e_x, e_z)
     x = planar[i, X] + minimum_image(crowd.ground, x - planar[i, X])
     z = planar[i, Z] + minimum_image(crowd.ground, z - planar[i, Z])
-    q_x, q_z = to_body_frame(planar, i, bodies.heights[own, other, layer], x, z)
-    _, _, _, at_corner, _ = closest_point(bodies, own, q_x, q_z)
+    q_x, q_z = to_body_frame(planar, i, bodies.heights[kind_i, kind_j, layer], x, z)
+    _, _, _, at_corner, _ = closest_point(bodies, kind_i, q_x, q_z)
     return not at_corner
 
 
@@ -264,18 +265,18 @@ def _resolve_corners(crowd, i, j, layer, first, pushes):
     `first`: whether i comes first in the pair and so counts contacts of corner on corner.
     """
     bodies, planar, count = crowd.bodies, crowd.planar, 0
-    own, other = bodies.kind[i], bodies.kind[j]
-    y_i, y_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
-    r, r_j = bodies.radius[own], bodies.radius[other]
-    for v in range(bodies.first[own], bodies.first[own + 1]):
+    kind_i, kind_j = bodies.kind[i], bodies.kind[j]
+    y_i, y_j = bodies.heights[kind_i, kind_j, layer], bodies.heights[kind_j, kind_i, layer]
+    r, r_j = bodies.radius[kind_i], bodies.radius[kind_j]
+    for v in range(bodies.first[kind_i], bodies.first[kind_i + 1]):
         b_x, b_z = bodies.corners[v, 0], bodies.corners[v, 1]
         x, z = to_plane(planar, i, y_i, b_x, b_z)
         s_x = minimum_image(crowd.ground, x - planar[j, X]) - (x - planar[j, X])
         s_z = minimum_image(crowd.ground, z - planar[j, Z]) - (z - planar[j, Z])
         q_x, q_z = to_body_frame(planar, j, y_j, x + s_x, z + s_z)
-        if box_distance(bodies, other, q_x, q_z) >= r + r_j:
+        if box_distance(bodies, kind_j, q_x, q_z) >= r + r_j:
             continue
-        distance, c_x, c_z, is_corner, end = closest_point(bodies, other, q_x, q_z)
+        distance, c_x, c_z, is_corner, end = closest_point(bodies, kind_j, q_x, q_z)
         depth = r + r_j - distance
         if depth <= 0.0 or distance == 0.0:
             continue
@@ -293,17 +294,17 @@ def _resolve_corners(crowd, i, j, layer, first, pushes):
 
 @kernel_without_refcount
 def resolve_pair(crowd, i, j, pushes):
-    """Apply the contact impulses between bodies i and j. Return the number of corners in touch."""
+    """Apply the contact impulses between bodies i and j, or add up energy. Return the number of corners in touch."""
     count = 0
     for layer in range(2):
-        count += _resolve_corners(crowd, i, j, layer, True, pushes)
+        count += _resolve_corners(crowd, i, j, layer, True, pushes)  # i is the first body
         count += _resolve_corners(crowd, j, i, layer, False, pushes)
     return count
 
 
 @lean
 def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
-    """Push body i off a wall as `_resolve_contact` does if `depth` > 0. Return 1 if it touches, else 0."""
+    """Call `_resolve_contact` with these arguments for body i and a wall if `depth` > 0. Return 1 if so, else 0."""
     if depth <= 0.0:
         return 0
     _resolve_contact(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
@@ -312,7 +313,7 @@ def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
 
 @kernel_without_refcount
 def resolve_walls(crowd, i, pushes):
-    """Apply the contact impulses of the walls on body i. Return the number of points in touch."""
+    """Apply the contact impulses of the walls on body i, or add up energy. Return the number of points in touch."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0
     if ground.kind >= PERIODIC:
         return 0
@@ -341,17 +342,7 @@ def resolve_walls(crowd, i, pushes):
             distance, b_x, b_z, _, _ = closest_point(bodies, kind, q_x, q_z)
             x, z = to_plane(crowd.planar, i, y, b_x, b_z)
             size = max(math.sqrt(x * x + z * z), 1e-300)
-            count += _push_off_wall(
-                crowd,
-                i,
-                x * ground.inner / size,
-                z * ground.inner / size,
-                x / size,
-                z / size,
-                b_x,
-                b_z,
-                y,
-                ground.inner + r - distance,
-                pushes,
-            )
+            n_x, n_z, depth = x / size, z / size, ground.inner + r - distance
+            x, z = x * ground.inner / size, z * ground.inner / size
+            count += _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes)
     return count

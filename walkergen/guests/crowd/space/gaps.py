@@ -93,27 +93,30 @@ def lean_displacement(bodies, planar, i, j):
 
 @lean
 def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
-    """Return the least gap (mm) of body i's corners from body j, at most `least`. Above `cutoff` a bound is enough."""
-    own, other = bodies.kind[i], bodies.kind[j]
-    height, height_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
-    both = bodies.radius[own] + bodies.radius[other]
-    for v in range(bodies.first[own], bodies.first[own + 1]):
+    """Return the smaller of `least`, the gap found so far, and the gaps of body i's corners from body j, mm.
+
+    For gaps above `cutoff` (mm) it uses lower bounds.
+    """
+    kind_i, kind_j = bodies.kind[i], bodies.kind[j]
+    height, height_j = bodies.heights[kind_i, kind_j, layer], bodies.heights[kind_j, kind_i, layer]
+    radii = bodies.radius[kind_i] + bodies.radius[kind_j]
+    for v in range(bodies.first[kind_i], bodies.first[kind_i + 1]):
         x, z = to_plane(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
         x = planar[j, X] + minimum_image(ground, x - planar[j, X])
         z = planar[j, Z] + minimum_image(ground, z - planar[j, Z])
         b_x, b_z = to_body_frame(planar, j, height_j, x, z)
-        gap = box_distance(bodies, other, b_x, b_z) - both
+        gap = box_distance(bodies, kind_j, b_x, b_z) - radii
         if gap < least:
             if gap < cutoff:
-                distance, _, _, _, _ = closest_point(bodies, other, b_x, b_z)
-                gap = distance - both
+                distance, _, _, _, _ = closest_point(bodies, kind_j, b_x, b_z)
+                gap = distance - radii
             least = min(least, gap)
     return least
 
 
 @lean
 def body_gap(bodies, ground, planar, i, j, cutoff):
-    """Return the gap of bodies i and j over both layers, mm; beyond `cutoff` a lower bound."""
+    """Return the smallest gap of bodies i and j in both layers, mm; above `cutoff` (mm) a lower bound of it."""
     least = FAR
     if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
         return least
@@ -125,7 +128,7 @@ def body_gap(bodies, ground, planar, i, j, cutoff):
 
 @lean
 def wall_gap(bodies, ground, planar, i):
-    """Return the gap of body i from the walls, mm."""
+    """Return the gap of body i from the nearest wall, mm; FAR without walls."""
     if ground.kind == PERIODIC or ground.kind == ENDLESS:
         return FAR
     kind, least = bodies.kind[i], FAR

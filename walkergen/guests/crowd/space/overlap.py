@@ -3,7 +3,8 @@
 An outline is the edges of its contours about the middle of the circle around it. Each walker may be smaller than its
 outline by its own scale. Two outlines overlap when edges cross, or when one lies in the other. Random numbers come from
 outside, so that kernels are functions of their arguments: `Outlines`, `Bounds` and `Cells`, the walkers' poses `places`
-(x, y of the middle in mm, heading in rad, shape (N, 3)), and their `scales`, shape (N,).
+(x, y of the middle in mm, heading in rad, shape (N, 3)), and their `scales`, shape (N,). Kernels that add or move
+walkers change `cells`, `places` and `scales` in place.
 """
 
 import math
@@ -154,10 +155,10 @@ def _has_overlap(outlines, own, other, d_x, d_y, turn, ratio):
         b_x, b_y = outlines.starts[k, 0], outlines.starts[k, 1]
         if _is_inside(outlines, own, d_x + c * b_x - s * b_y, d_y + s * b_x + c * b_y):
             return True
-    square = ratio * ratio
+    ratio_squared = ratio * ratio
     for k in range(outlines.first_start[own], outlines.first_start[own + 1]):
         b_x, b_y = outlines.starts[k, 0] - d_x, outlines.starts[k, 1] - d_y
-        if _is_inside(outlines, other, (c * b_x + s * b_y) / square, (c * b_y - s * b_x) / square):
+        if _is_inside(outlines, other, (c * b_x + s * b_y) / ratio_squared, (c * b_y - s * b_x) / ratio_squared):
             return True
     return False
 
@@ -173,10 +174,10 @@ def _has_pair_overlap(outlines, bounds, places, scales, i, j, x, y, heading, sca
         for up in range(-images, images + 1):
             d_x = places[j, 0] - x + across * bounds.period
             d_y = places[j, 1] - y + up * bounds.period
-            square = d_x * d_x + d_y * d_y
-            if square >= far * far or (i == j and across == 0 and up == 0):
+            distance_squared = d_x * d_x + d_y * d_y
+            if distance_squared >= far * far or (i == j and across == 0 and up == 0):
                 continue
-            if square < near * near:
+            if distance_squared < near * near:
                 return True
             c, s = math.cos(heading) / scale, math.sin(heading) / scale
             b_x, b_y = c * d_x + s * d_y, c * d_y - s * d_x
@@ -209,14 +210,17 @@ def _has_wall_overlap(outlines, bounds, kind, x, y, heading, scale):
             if p_x * p_x + p_y * p_y < bounds.inner * bounds.inner:
                 return True
     if bounds.kind == RING:
-        square = scale * scale
-        return _is_inside(outlines, kind, -(c * x + s * y) / square, (s * x - c * y) / square)
+        scale_squared = scale * scale
+        return _is_inside(outlines, kind, -(c * x + s * y) / scale_squared, (s * x - c * y) / scale_squared)
     return False
 
 
 @lean
 def is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
-    """Return whether walker i, at this pose (mm, rad) and `scale`, touches neither walls nor walkers of the cells."""
+    """Return whether walker i, at this pose (mm, rad) and `scale`, touches neither walls nor walkers of the cells.
+
+    In a periodic square it stores this pose and scale in `places` and `scales`, to compare the walker with its images.
+    """
     if _has_wall_overlap(outlines, bounds, outlines.kind[i], x, y, heading, scale):
         return False
     column, row = _cell_index(cells, bounds, x, y)
@@ -243,9 +247,10 @@ def is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
 
 @kernel
 def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
-    """Add walkers in an order, each at the first random pose that is free. The first `done` are already there.
+    """Add walkers one by one, each at the first random pose that is free, until all are added or tries are used up.
 
-    `randoms`: shape (tries, 3), 0 to 1. Returns the number of walkers there when all are added or all tries are used.
+    `order`: walkers' numbers; the first `done` of them have their poses already. `randoms`: shape (tries, 3), 0 to 1.
+    Returns the number of walkers with poses.
     """
     half_x = bounds.outer
     half_y = bounds.inner if bounds.kind == RECTANGLE else bounds.outer
@@ -266,8 +271,8 @@ def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
 def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growth, most):
     """Move every walker once at random and let it grow, up to a scale of `most`.
 
-    `randoms`: shape (N, 4), 0 to 1. `steps`: largest shift (mm) and turn (rad). `growth`: largest relative growth.
-    Moves that would overlap are not made. Returns the number of moves made.
+    `randoms`: shape (N, 4), 0 to 1. `steps`: largest shift (mm) and turn (rad), shape (2,). `growth`: largest relative
+    growth. Moves that would overlap are not made. Returns the number of moves made.
     """
     moved = 0
     half = 0.5 * bounds.period

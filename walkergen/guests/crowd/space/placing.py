@@ -86,7 +86,7 @@ def find_overlap(outlines: Sequence[Outline], dish: Dish, places: Array) -> int 
 
 
 def make_bounds(dish: Dish) -> Bounds:
-    """Return the walls of a dish as kernels read them."""
+    """Return the walls of a dish as the kernels of `overlap` read them."""
     number = ("disc", "ring", "rectangle", "periodic").index(dish.kind)
     inner = 0.5 * dish.sizes[1] if len(dish.sizes) > 1 else 0.0
     return Bounds(number, 0.5 * dish.sizes[0], inner, dish.period)
@@ -110,8 +110,8 @@ def _make_outlines(outlines: Sequence[Outline], margin: float) -> tuple[Outlines
         starts.append(np.array([ring[0] for ring in rings]))
         middles.append((middle.x, middle.y))
         outer.append(float(np.hypot(*np.vstack(rings).T).max()))
-        held = whole.contains(middle)
-        inner.append(float(whole.exterior.distance(middle)) if held else 0.0)
+        holds_middle = whole.contains(middle)
+        inner.append(float(whole.exterior.distance(middle)) if holds_middle else 0.0)
     return Outlines(
         np.array([numbers[id(each)] for each in outlines], np.int64),
         np.cumsum([0, *map(len, edges)]),
@@ -134,7 +134,7 @@ def _to_origin_poses(places: Array, middles: Array) -> Array:
 def _add_walkers(
     shapes: Outlines, bounds: Bounds, scales: Array, order: Whole, rng: np.random.Generator
 ) -> tuple[Array, Cells] | None:
-    """Add walkers one by one at random. Return poses of their middles, and cells; None if one finds no room."""
+    """Add walkers at random in `order`. Return the poses of their middles, (N, 3), and cells; None without room."""
     cells = overlap.empty_cells(shapes, bounds)
     places = np.zeros((len(order), 3))
     done, tries = 0, MAX_TRIES_PER_WALKER * len(order)
@@ -151,7 +151,7 @@ def _add_walkers(
 def _grow_walkers(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator
 ) -> bool:
-    """Move walkers and grow them to full size, ever slower. Return False if there is no room."""
+    """Move walkers and grow them to full size, ever slower; `cells`, `places` and `scales` change. False: no room."""
     for number, rate in enumerate(GROWTH_RATES):
         if number > 0:
             scales *= SHRINK_SCALE
@@ -163,9 +163,9 @@ def _grow_walkers(
 def _grow_at_rate(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator, rate: float
 ) -> bool:
-    """Move walkers and grow them by at most `rate` a move. Return whether all reach full size."""
+    """Move walkers in place and grow them by at most `rate` (relative) a move. Return whether all reach full size."""
     n, largest = len(places), float(shapes.outer.max())
-    steps, smallest = np.array([0.3 * largest, 0.5]), float(scales.min())
+    steps, smallest = np.array([0.3 * largest, 0.5]), float(scales.min())  # shift (mm) and turn (rad)
     min_steps, max_steps = np.array([1e-4 * largest, 1e-4]), np.array([largest, math.pi])
     for number in range(max(MAX_MOVES // n, STALL_MOVES)):
         max_scale, randoms = min(1.0, MAX_SCALE_RATIO * float(scales.min())), rng.random((n, 4))

@@ -71,31 +71,31 @@ def prepare(
     places: Array,
     endless: bool = False,
 ) -> CrowdPlan:
-    """Plan a crowd: walker i is `designs[kinds[i]]`, released with its O at `places[i]`: x, y (mm), heading (rad).
+    """Make a crowd's plan: walker i is `designs[kinds[i]]`, released with O at `places[i]`: x, y (mm), heading (rad).
 
     `endless` removes the scene's dish. Raises InputError if a scene or a design contradicts the model in space.
     """
     flat = plane_scene(scene)
-    every = tuple(prepare_walker(flat, design, mass) for design, mass in designs)
+    plans = tuple(prepare_walker(flat, design, mass) for design, mass in designs)
     shapes = tuple(
-        make_shape(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
+        make_shape(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, plans, strict=True)
     )
     return CrowdPlan(
         flat,
-        every,
+        plans,
         shapes,
         tuple(design.name for design, _ in designs),
         tuple(kinds),
-        _centre_places(places, [every[kind] for kind in kinds]),
-        _contact_law(flat, every),
+        _centre_places(places, [plans[kind] for kind in kinds]),
+        _contact_law(flat, plans),
         bodies.make_ground(None if endless else scene.crowd.dish),
     )
 
 
-def _centre_places(places: Array, of_walkers: Sequence[Plan]) -> Array:
-    """Return the poses of the centres of mass of walkers whose origins O have the poses `places`."""
+def _centre_places(places: Array, walker_plans: Sequence[Plan]) -> Array:
+    """Return poses of centres of mass from poses of origins O: x, y (mm) and heading (rad), shape (N, 3)."""
     centres = np.asarray(places, float).copy()
-    for row, plan in zip(centres, of_walkers, strict=True):
+    for row, plan in zip(centres, walker_plans, strict=True):
         forward, left = -plan.world.walker.centre[0], plan.world.walker.centre[2]
         c, s = math.cos(row[2]), math.sin(row[2])
         row[:2] += c * forward - s * left, s * forward + c * left
@@ -122,7 +122,7 @@ def simulate(
     stopped: Callable[[], bool] = lambda: False,
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> CrowdRun:
-    """Simulate run `number` with `rate_hz` frames a second, until `stopped`. `progress` receives seconds done."""
+    """Simulate run `number` with `rate_hz` frames a second, until `stopped()`. `progress` receives seconds done."""
     started, run = time.thread_time(), plan.scene.run
     walkers = release_walkers(plan, number)
     crowd, walkers = make_crowd(plan, walkers)
@@ -130,10 +130,10 @@ def simulate(
     advance(crowd, run.discard_seconds, blocks, stopped)
     tallies = [record.new_tally(len(TRAJECTORY_COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
     crowd, walkers = attach_records(plan, walkers, crowd, tallies)
-    energies, held = _energies(walkers), float(steps.contact_energy(crowd))
+    energies, stored = _energies(walkers), float(steps.contact_energy(crowd))
     done = advance(crowd, run.seconds, _block_count(plan, run.seconds), stopped, progress)
     gained = _energies(walkers) - energies
-    balanced = [
+    energy_errors = [
         record.energy_error(sums, change, before)
         for sums, change, before in zip(crowd.free.sums, gained, energies, strict=True)
     ]
@@ -148,8 +148,8 @@ def simulate(
         rows[:, :, 1:].transpose(1, 0, 2),
         int(book[bodies.TOUCHES]),
         float(book[bodies.DEEPEST]),
-        max(balanced),
-        _contact_energy_error(book, float(steps.contact_energy(crowd)) - held),
+        max(energy_errors),
+        _contact_energy_error(book, float(steps.contact_energy(crowd)) - stored),
         {"normal": -float(book[bodies.WORK]), "friction": float(book[bodies.RUBBED])},
         Impulses(*(float(book[row]) for row in (bodies.PRESSED, bodies.ALONG, bodies.UP))),
         time.thread_time() - started,
@@ -157,13 +157,13 @@ def simulate(
 
 
 def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
-    """Return world and state of each walker, at rest in its place. The first one draws plate noise and phase."""
+    """Return each walker's world and state in run `number`, at rest at its pose. The first draws the plate's noise."""
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
         rng = np.random.default_rng([seed, number] if i == 0 else [seed, number, i])
-        own, state = sample_drop(plan.plans[kind], rng, phase)
-        world = own.world
+        own_plan, state = sample_drop(plan.plans[kind], rng, phase)
+        world = own_plan.world
         if walkers:
             plate = walkers[0][0].acting
             acting = world.acting._replace(noise=plate.noise, roughness=plate.roughness)
@@ -175,21 +175,21 @@ def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
 
 
 def _place_walker(world: World, state: State, x: float, y: float, heading: float) -> None:
-    """Put a walker with its centre of mass at (x, y), mm, on the plate, turned to a heading."""
+    """Change `state` in place: centre of mass at (x, y), mm, feet on the plate, turned to `heading`, rad."""
     turn_to(state, heading)
     state[C_X], state[C_Z] = x, -y
     place(world, state, work_for(world.walker, state))
 
 
 def make_crowd(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
-    """Return a crowd of walkers in these states, without records, and the walkers with states that it shares."""
+    """Return a crowd without records, and its walkers again, whose states now are views of the crowd's arrays."""
     return _assemble_crowd(plan, walkers, [record.new_tally() for _ in walkers])
 
 
 def attach_records(
     plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
 ) -> tuple[bodies.Crowd, Walkers]:
-    """Return the crowd `before` and its walkers with the new records `tallies`."""
+    """Return the crowd `before` with new records `tallies`, and its walkers: states are views of the crowd's arrays."""
     crowd, walkers = _assemble_crowd(plan, walkers, tallies)
     crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching
@@ -197,7 +197,7 @@ def attach_records(
 
 
 def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -> tuple[bodies.Crowd, Walkers]:
-    """Return a crowd of these walkers, and the walkers with the states that the crowd shares."""
+    """Return a crowd of these walkers, and the walkers with states that are views of the crowd's arrays."""
     count, (worlds, states) = len(walkers), zip(*walkers, strict=True)
     movers, free = bodies.make_movers(worlds, states, tallies)
     crowd = bodies.Crowd(
@@ -216,7 +216,7 @@ def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.
 
 
 def _block_count(plan: CrowdPlan, seconds: float) -> int:
-    """Return the number of blocks of a record, as of a single walker: results depend on it to the bit."""
+    """Return the number of blocks for `seconds`, as for a single walker: the bits of results depend on it."""
     period = plan.plans[0].world.drive.period
     return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MAX_BLOCKS)
 
@@ -228,7 +228,10 @@ def advance(
     stopped: Callable[[], bool],
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> float:
-    """Advance by `seconds` in a number of blocks, unless `stopped`. Return the seconds done."""
+    """Advance by `seconds` in equal blocks. Return the seconds done.
+
+    The run ends before a block if `stopped()` is true. After each block `progress` receives the seconds done.
+    """
     if seconds <= 0.0:
         return 0.0
     block, done = seconds / blocks, 0.0
@@ -253,7 +256,7 @@ def _energies(walkers: Walkers) -> Array:
 
 
 def _contact_energy_error(book: Array, gain: float) -> float:
-    """Compute the unexplained share of contacts' normal work; `gain`: change of their stored energy."""
+    """Return the unexplained share of the contacts' normal work. `book`: of the crowd. `gain`: of stored energy."""
     lost = book[bodies.LOST]
     taken = max(abs(book[bodies.WORK]), lost, abs(gain))
     return float(abs(book[bodies.WORK] + gain + lost) / taken) if taken else 0.0
@@ -261,5 +264,5 @@ def _contact_energy_error(book: Array, gain: float) -> float:
 
 def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
     """Return each walker's outcome. Walkers that are well in an `unfinished` run were stopped."""
-    well = Outcome.STOPPED if unfinished else Outcome.OK
-    return tuple((well if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)
+    good = Outcome.STOPPED if unfinished else Outcome.OK
+    return tuple((good if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)

@@ -63,11 +63,11 @@ def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
 
 
 def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, float]:
-    """Return corners and edges of the core of contours, and the radius (mm) that was taken off them."""
+    """Return corners (v, 2) and edges (e, 2) of the core of contours, and the radius (mm) that was taken off them."""
     middle = contours[0].mean(axis=0)
-    far = np.hypot(*(contours[0] - middle).T)
-    if len(contours) == 1 and len(far) > 12 and float(np.ptp(far)) < CIRCLE_TOLERANCE_MM:
-        return middle[None, :], np.zeros((1, 2), np.int64), float(far.mean())
+    distances = np.hypot(*(contours[0] - middle).T)
+    if len(contours) == 1 and len(distances) > 12 and float(np.ptp(distances)) < CIRCLE_TOLERANCE_MM:
+        return middle[None, :], np.zeros((1, 2), np.int64), float(distances.mean())
     radius = CORNER_MM
     while True:
         inner = [Polygon(contour).buffer(-radius, join_style="mitre") for contour in contours]
@@ -82,8 +82,8 @@ def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, flo
     rings = [np.asarray(part.exterior.coords)[:-1] for part in inner]
     edges, first = [], 0
     for ring in rings:
-        at = first + np.arange(len(ring))
-        edges.append(np.column_stack([at, np.roll(at, -1)]))
+        numbers = first + np.arange(len(ring))
+        edges.append(np.column_stack([numbers, np.roll(numbers, -1)]))
         first += len(ring)
     return np.vstack(rings), np.vstack(edges), radius
 

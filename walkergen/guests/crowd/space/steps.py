@@ -3,7 +3,7 @@
 Time passes in ticks and in rounds of 2^LEVELS ticks. Contacts take one tick each. A walker moves on by 2^n ticks in one
 step. n is as large as its gaps allow at its own and its neighbours' speeds: far from all others, a whole round. As
 these spans nest, walkers near each other are always at the same time. The result depends only on the order of the pairs
-that touch. `crowd` is a `bodies.Crowd`, `i` and `j` are numbers of walkers.
+that touch. `crowd` is a `bodies.Crowd`, which kernels change. `i` and `j` are numbers of walkers.
 """
 
 import math
@@ -67,7 +67,7 @@ FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
 
 @kernel_without_refcount
 def _move(crowd, i, t):
-    """Move walker i by t seconds as if alone, and update its row of `crowd.planar`."""
+    """Move walker i by t seconds as if alone, and update its row of `crowd.planar`. With t = 0 only update it."""
     mover = borrow_item(crowd.movers, i)
     if t == 0.0:
         place(mover.world, mover.state, mover.work)
@@ -131,24 +131,24 @@ def _record_touch(crowd, row, column, count, late):
 def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
     """Compute the ticks until a gap (mm) may close; below 1 if it may close in the next tick.
 
-    The gap closes at most at the speed of the `fastest` points of both sides (mm/s). For FORESEEN_TICKS the rate since
-    the gap `past`, `ticks` ago, counts too: increased by half and by a part of `margin` (mm/s), the change of velocity
-    in a landing.
+    A safe answer uses `fastest`, the largest speed at which the gap can close (mm/s). Up to FORESEEN_TICKS the answer
+    may be larger: the gap then closes at its mean rate since it was `past` (mm), `ticks` ago, increased by half and by
+    a part of `margin` (mm/s), the change of velocity in a landing.
     """
     tick = crowd.tick[0]
-    sure = gap / (tick * fastest)
-    if sure >= FORESEEN_TICKS or ticks > RECENT_TICKS:
-        return sure
+    safe_ticks = gap / (tick * fastest)
+    if safe_ticks >= FORESEEN_TICKS or ticks > RECENT_TICKS:
+        return safe_ticks
     rate = (past - gap) / (ticks * tick)
-    likely = gap / (tick * (max(1.5 * rate, 0.0) + LANDING_SHARE * margin))
-    return max(sure, min(likely, FORESEEN_TICKS))
+    likely_ticks = gap / (tick * (max(1.5 * rate, 0.0) + LANDING_SHARE * margin))
+    return max(safe_ticks, min(likely_ticks, FORESEEN_TICKS))
 
 
 @lean
 def _meet_pair(crowd, i, j, seen, now):
     """Resolve contacts of walkers i and j at tick `now`. Return the ticks before they can touch, 1 if they do.
 
-    `seen`: their gap at the last update and its tick, shape (2,).
+    `seen`: gap (mm) at the last update and its tick, shape (2,). Both are replaced by the present ones.
     """
     if crowd.status[i] != OK and crowd.status[j] != OK:
         return FAR
@@ -164,7 +164,7 @@ def _meet_pair(crowd, i, j, seen, now):
 
 @lean
 def _meet_walls(crowd, i, seen, now):
-    """Resolve contacts of walker i with walls at tick `now`. Return the ticks before it can touch, 1 if it does."""
+    """Resolve contacts of walker i with walls at tick `now`. Return value and `seen` are those of `_meet_pair`."""
     if crowd.status[i] != OK:
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
@@ -178,7 +178,7 @@ def _meet_walls(crowd, i, seen, now):
 
 @kernel_without_refcount
 def _list_neighbours(crowd, span, pairs):
-    """List walkers that may touch within `span` seconds in `pairs`. Return how many, -1 if too many."""
+    """Fill `pairs`, (p, 2), with walkers that may touch within `span` seconds. Return how many; -1 without room."""
     count, n = 0, len(crowd.status)
     for i in range(n):
         for j in range(i + 1, n):
@@ -200,25 +200,25 @@ def _advance_round(crowd, pairs, count, plans, levels):
     safe[:count], safe_wall[:], until[:] = 0.0, 0.0, 0
     seen[:count, 1] = seen_wall[:, 1] = -FAR
     for now in range(ticks):
-        most = levels
+        max_level = levels
         if now > 0:
-            most = 0
-            while (now >> most) & 1 == 0:
-                most += 1
+            max_level = 0
+            while (now >> max_level) & 1 == 0:
+                max_level += 1
         for i in range(n):
             if until[i] != now:
                 continue
             if safe_wall[i] <= now + 1.0:
                 safe_wall[i] = now + _meet_walls(crowd, i, seen_wall[i], now)
-            allowed[i] = _max_level(safe_wall[i] - now, most)
+            allowed[i] = _max_level(safe_wall[i] - now, max_level)
         for p in range(count):
             i, j = pairs[p, 0], pairs[p, 1]
             if until[i] != now or until[j] != now:
                 continue
             if safe[p] <= now + 1.0:
                 safe[p] = now + _meet_pair(crowd, i, j, seen[p], now)
-            free = _max_level(safe[p] - now, most)
-            allowed[i], allowed[j] = min(allowed[i], free), min(allowed[j], free)
+            pair_level = _max_level(safe[p] - now, max_level)
+            allowed[i], allowed[j] = min(allowed[i], pair_level), min(allowed[j], pair_level)
         for i in range(n):
             if until[i] == now:
                 until[i] = now + (1 << allowed[i])
@@ -229,7 +229,7 @@ def _advance_round(crowd, pairs, count, plans, levels):
 def advance(crowd, pairs, duration):
     """Advance a crowd by `duration` seconds and return the time that has passed.
 
-    It is less if `pairs`, shape (p, 2), has too little room for all that may touch.
+    `pairs`: working memory for the walkers that may touch, shape (p, 2). If p is too small, less time has passed.
     """
     n, passed, law = len(crowd.status), 0.0, crowd.law
     if n == 1 and crowd.ground.kind >= PERIODIC:
@@ -267,7 +267,7 @@ def contact_energy(crowd):
     deepest = crowd.book[DEEPEST]
     crowd.book[STORED] = 0.0
     for i in range(len(crowd.status)):
-        resolve_walls(crowd, i, False)
+        resolve_walls(crowd, i, False)  # only adds the energy to the book
         for j in range(i + 1, len(crowd.status)):
             if gap_lower_bound(crowd.bodies, crowd.ground, crowd.planar, i, j) < 0.0:
                 resolve_pair(crowd, i, j, False)

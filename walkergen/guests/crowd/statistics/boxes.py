@@ -30,21 +30,21 @@ class Grid(NamedTuple):
 
 
 def inner_grid(dish: Dish, parts: int) -> Grid:
-    """Return square boxes wholly inside a dish, `parts` along the shorter side of its bounding rectangle."""
+    """Return square boxes wholly inside a dish. `parts`: number along the shorter side of its bounding rectangle."""
     side = min(dish.box) / parts
     across = [int(length / side * (1.0 + 1e-12)) for length in dish.box]
     used = np.ones(across, dtype=bool)
     if dish.kind in ("disc", "ring"):
-        corner = [0.5 * side + side * np.abs(np.arange(n) - 0.5 * (n - 1)) for n in across]
-        used = np.hypot(*np.meshgrid(*corner, indexing="ij")) <= 0.5 * dish.sizes[0]
+        outer_edges = [0.5 * side + side * np.abs(np.arange(n) - 0.5 * (n - 1)) for n in across]
+        used = np.hypot(*np.meshgrid(*outer_edges, indexing="ij")) <= 0.5 * dish.sizes[0]
     if dish.kind == "ring":
-        near = [np.maximum(edge - side, 0.0) for edge in corner]
-        used &= np.hypot(*np.meshgrid(*near, indexing="ij")) >= 0.5 * dish.sizes[1]
+        inner_edges = [np.maximum(edge - side, 0.0) for edge in outer_edges]
+        used &= np.hypot(*np.meshgrid(*inner_edges, indexing="ij")) >= 0.5 * dish.sizes[1]
     return Grid(side, used, np.full(used.sum(), side**2))
 
 
 def clipped_grid(dish: Dish, parts: int) -> Grid:
-    """Return square boxes over a dish, cut by walls, without boxes mostly outside. `parts`: as in inner_grid."""
+    """Return square boxes over a dish, cut by walls, without boxes mostly outside. `parts`: as in `inner_grid`."""
     side = min(dish.box) / parts
     across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
     low = [side * (np.arange(n) - 0.5 * n) for n in across]

@@ -47,7 +47,7 @@ def measure(film: CrowdFilm) -> Clusters:
             continue
         links = touching_pairs(film, frame, seen)
         sizes = cluster_sizes(links, len(seen))
-        own = np.repeat(sizes, sizes)  # of each walker's cluster
+        own = np.repeat(sizes, sizes)  # size of each walker's cluster
         octaves += np.bincount(np.log2(own).astype(int), minlength=len(octaves)) / len(own)
         rows.append(
             (float(len(sizes)), sizes.max() / len(own), own.mean(), (own == 1).mean(), 2.0 * len(links) / len(own))
@@ -57,7 +57,7 @@ def measure(film: CrowdFilm) -> Clusters:
 
 
 def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
-    """Return the pairs of walkers that touch in a frame, as indices into their numbers `seen`, (pairs, 2)."""
+    """Return the pairs of walkers that touch in a frame, shape (pairs, 2): indices into `seen`, the walkers in it."""
     x, y, radii = film.x[frame][seen], film.y[frame][seen], film.radii[seen]
     gap = TOUCHING_GAP * float(radii.mean()) if film.outlines else 0.0
     reach = 2.0 * float(radii.max()) + gap
@@ -87,7 +87,10 @@ def cluster_sizes(links: Whole, walkers: int) -> Whole:
 def _transform_outlines(
     film: CrowdFilm, kinds: Sequence[str], theta: Array, walkers: Whole, places: Array
 ) -> npt.NDArray[np.object_]:
-    """Return outlines of `walkers` (indices into kinds and theta), turned by headings and moved to `places`."""
+    """Return outlines of `walkers`, turned by headings and moved to `places` (x, y in mm, shape (n, 2)).
+
+    `walkers`: indices into `kinds` and headings `theta` (rad), shape (n,).
+    """
     shapes = {kind: _union(contours) for kind, contours in film.outlines.items()}
     outlines = np.array([shapes[kinds[walker]] for walker in walkers], dtype=object)
     corners = shapely.get_num_coordinates(outlines)
@@ -95,6 +98,7 @@ def _transform_outlines(
     c, s, moved = np.cos(angle), np.sin(angle), np.repeat(places, corners, axis=0)
 
     def rotate_and_move(points: Array) -> Array:
+        """Transform the corners of all outlines, one after the other, shape (corners, 2)."""
         x, y = points.T
         return np.column_stack([c * x - s * y, s * x + c * y]) + moved
 

@@ -48,11 +48,11 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
     for number in parts:
         grid = boxes.inner_grid(film.dish, number)
         counts = [boxes.sum_in_boxes(*dish_geometry.wrap_places(each.x, each.y, each.dish), grid) for each in films]
-        own = np.concatenate(counts).mean(axis=0)
-        fixed = 1.0 - grid.side**2 / film.dish.area
+        box_means = np.concatenate(counts).mean(axis=0)
+        finite_dish_factor = 1.0 - grid.side**2 / film.dish.area
         sides.append(grid.side)
-        means.append(own.mean())
-        variances.append([((count - own) ** 2).mean() / fixed for count in counts])
+        means.append(box_means.mean())
+        variances.append([((count - box_means) ** 2).mean() / finite_dish_factor for count in counts])
     by_run = np.array(variances).reshape(len(parts), len(films)).T
     return Fluctuations(
         np.array(sides), np.array(means), by_run, np.array([_exponent(np.array(means), row) for row in by_run])

@@ -24,7 +24,7 @@ def total_packing(film: CrowdFilm) -> Array:
 
 
 def local_packing(film: CrowdFilm) -> Array:
-    """Compute the area of the walkers with positions in a box over the box's area in the dish, (F, boxes).
+    """Compute the packing of boxes: area of the walkers centred in each over its area in the dish, shape (F, boxes).
 
     Its mean is near `total_packing`. Two peaks in its distribution show a dense and a thin phase.
     """

@@ -57,9 +57,9 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
     """Compute pair correlation and alignments of one run, in bins of distance between `edges` (mm)."""
     bins = len(edges) - 1
     counts, expected = np.zeros(bins), np.zeros(bins)
-    oriented, sums = np.zeros(bins), np.zeros((2, bins))
+    heading_pairs, cosine_sums = np.zeros(bins), np.zeros((2, bins))
     near_distance = min(NEIGHBOUR_DIAMETERS * length_scale(film), edges[-1])
-    local = np.full((2, len(film.times)), np.nan)
+    near_means = np.full((2, len(film.times)), np.nan)
     for frame in range(len(film.times)):
         seen = np.isfinite(film.x[frame]) & np.isfinite(film.y[frame])
         x, y, theta = (part[frame][seen] for part in (film.x, film.y, film.theta))
@@ -71,19 +71,19 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
         known = np.isfinite(turn)
         cosines = np.cos(turn[known]), np.cos(2.0 * turn[known])
         distance = distance[known]
-        oriented += np.histogram(distance, edges)[0]
+        heading_pairs += np.histogram(distance, edges)[0]
         close = distance < near_distance
         for row, values in enumerate(cosines):
-            sums[row] += np.histogram(distance, edges, weights=values)[0]
+            cosine_sums[row] += np.histogram(distance, edges, weights=values)[0]
             if close.any():
-                local[row, frame] = values[close].mean()
-    polar, nematic = np.where(oriented > 0, sums / np.maximum(oriented, 1.0), np.nan)
+                near_means[row, frame] = values[close].mean()
+    polar, nematic = np.where(heading_pairs > 0, cosine_sums / np.maximum(heading_pairs, 1.0), np.nan)
     g = np.where(expected > 0, counts / np.where(expected > 0, expected, 1.0), np.nan)
-    return Pairs(0.5 * (edges[1:] + edges[:-1]), g, polar, nematic, local[0], local[1])
+    return Pairs(0.5 * (edges[1:] + edges[:-1]), g, polar, nematic, near_means[0], near_means[1])
 
 
 def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
-    """Compute the pairs in each bin if each walker's neighbours were anywhere in the dish. `x`, `y`: places, mm."""
+    """Return the expected pairs in each bin, (bins,), of walkers at `x`, `y` (mm) with all others at random places."""
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * GAUSS_NODES
     middle_x, middle_y = dish_geometry.wrap_places(x, y, film.dish)

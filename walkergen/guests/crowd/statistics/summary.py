@@ -135,7 +135,7 @@ def _check_runs(films: Sequence[CrowdFilm]) -> None:
 
 
 def _describe(film: CrowdFilm) -> str:
-    """Describe a film's designs and dish."""
+    """Return a text with the names of a film's designs and its dish."""
     return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
 
 
@@ -221,7 +221,7 @@ def _values_by_run(runs: Sequence[_Run], name: str) -> Array:
 
 
 def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
-    """Combine the values of all runs into a quantity, with the reason if its value or error is unknown."""
+    """Combine the values of all runs, shape (runs,), into a quantity, with the reason if it or its error is unknown."""
     unit = UNITS[name]
     if np.isnan(values).any():
         return Quantity(name, unit, None, refused=_missing_reason(name, film))
@@ -236,7 +236,7 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
 
 
 def _quantity_of_one_run(name: str, value: float, times: Array, course: Array) -> Quantity:
-    """Return a mean over one run, with an error if the run is much longer than its correlation time."""
+    """Return the mean `value` of a `course` (F,), with an error if the run is much longer than its correlation time."""
     unit, known, interval = UNITS[name], np.isfinite(course), float(times[1] - times[0])
     if np.ptp(course[known]) == 0.0:
         return Quantity(name, unit, value, 0.0)
@@ -259,7 +259,7 @@ def _missing_reason(name: str, film: CrowdFilm) -> str:
 
 
 def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
-    """Return the mean of the runs' curves and its error: NaN where a run has no value, or if there is one run."""
+    """Return the mean of the runs' curves, (places, values), and its error: NaN with one run or a missing value."""
     values = np.stack([values for _, values in curves])
     error = np.full(values.shape[1], math.nan)
     if len(values) > 1:
@@ -268,7 +268,7 @@ def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
 
 
 def _random_values(film: CrowdFilm) -> dict[str, float]:
-    """Return the expected numbers of walkers at random places and headings, where they are defined."""
+    """Return the values of numbers, by name, that walkers at random positions and headings have on average."""
     walkers = max(film.walkers, 1.0)
     return {
         "polar_order": order.random_order(walkers),

@@ -61,7 +61,7 @@ def measure(film: CrowdFilm) -> Walls:
 
 
 def _bin_means(distance: Array, values: Array, edges: Array) -> Array:
-    """Average the known values in each bin of the distance between `edges`; NaN where there are none."""
+    """Average `values`, which belong to the distances, in each bin between `edges` (mm); NaN in empty bins."""
     known = np.isfinite(values) & np.isfinite(distance)
     counts = np.histogram(distance[known], edges)[0]
     sums = np.histogram(distance[known], edges, weights=values[known])[0]
