@@ -108,7 +108,7 @@ def cpu_seconds(request: CrowdRequest, population: Population) -> float:
 
 
 def _placement_function(population: Population) -> Callable[[int], CrowdPlan]:
-    """Return a function that returns the plan of a run, with walkers placed at random, for the run's number."""
+    """Return a function from a run's number to its `CrowdPlan`, with walkers placed at random. Raises InputError."""
     plan = _make_plan(population)
     about_C = _contours_from_centre(population, plan)
     return lambda number: plan._replace(places=populations.place_walkers(population, about_C, number))

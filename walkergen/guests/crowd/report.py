@@ -142,7 +142,7 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
 
 
 def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress) -> CrowdReport:
-    """Write everything into a folder and return the report. Raises OutputError for a folder with other files."""
+    """Write everything into a folder and return the report. Raises OutputError for a file that it must not replace."""
     with Folder(folder) as target:
         report.write(target, pictures)
         if pictures:

@@ -157,7 +157,7 @@ def simulate(
 
 
 def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
-    """Return each walker's world and state in run `number`, at rest at its pose. The first draws the plate's noise."""
+    """Return each walker's world and state in run `number`, at rest. The first one draws plate noise and phase."""
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
