@@ -24,7 +24,7 @@ LIMITS = {
     "walkergen/commands": 8180,
     "walkergen/core": 17720,
     "walkergen/files": 1520,
-    "walkergen/guests/crowd": 7210,
+    "walkergen/guests/crowd": 7250,
     "walkergen/guests/lab": 4910,
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2240,
