@@ -25,7 +25,7 @@ from walkergen.points import print_ensemble
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Record
 
-SECONDS, FIRST_RUNS, MAX_RUNS, RUN_GROWTH = 1.0, 5, 32, 1.5
+SECONDS, FIRST_RUNS, MAX_RUNS, RUN_GROWTH = 1.0, 4, 32, 1.5
 """Measured time of a run, s; first and maximum number of runs, and the factor between successive numbers."""
 
 SETTLING_RATIO, SETTLING_RANGE_S = 12.0, (0.5, 4.0)

@@ -106,6 +106,8 @@ def total_error(number: Quantity) -> float | None:
 
 def resolving_step(plan: Plan) -> float:
     """Return the default time step (s), which resolves the contact of the walker's feet. The scene's own is ignored."""
+    if plan.scene.run.step_us is None:
+        return float(plan.world.options.step)
     run = plan.scene.run.model_copy(update={"step_us": None})
     scene = plan.scene.model_copy(update={"run": run})
     return float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)
