@@ -67,7 +67,7 @@ def parse_dish(text: str, source: str = "‹arena›") -> Dish:
     kind, _, rest = text.partition(":")
     given = f"{source} = {text[:80]!r}"
     if kind not in SIZE_SYNTAX:
-        raise InputError(f"{given}: must be one of {EXAMPLES}, mm")
+        raise InputError(f"{given}: must be a kind of dish with sizes in mm, for example {EXAMPLES}")
     form, count = SIZE_SYNTAX[kind]
     words = re.split(r"[,x]", rest)
     try:

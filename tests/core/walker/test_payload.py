@@ -334,7 +334,7 @@ def test_a_drawn_body_can_have_pockets(tmp_path):
     ring.export(tmp_path / "ring.stl")
     line = refusal_of(**(tables | {"body": {"mesh": str(tmp_path / "ring.stl")}}))
     assert "motor.along_mm = 0" in line
-    assert "% of the floor" in line
+    assert "outside the body or over a hole" in line
 
 
 def test_a_finished_mesh_can_have_pockets(tmp_path):

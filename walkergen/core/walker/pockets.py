@@ -42,7 +42,7 @@ def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh])
         _check_leg_clear(name, pocket, legs, design)
     for name, part in design.parts.items():
         others = [pocket for other, pocket in pocket_solids.items() if other not in (name, "channel")]
-        _check_floor(name, part, solid - _unite(others), design)
+        _check_floor(name, part, solid, _unite(others), design)
     cavity = _pocket_union(design)
     cut = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
     if any(len(modeller.split_bodies(piece)) != 1 for piece in cut):
@@ -230,23 +230,27 @@ def _check_leg_clear(name: str, cut: manifold3d.Manifold, legs: Sequence[manifol
             )
 
 
-def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
-    """Raise GeometryError unless solid plastic closes the pocket of a part on the side opposite its opening.
-
-    `body` is the solid of the body without the pocket of the other part.
-    """
+def _check_floor(
+    name: str, part: Part, body: manifold3d.Manifold, other_pocket: manifold3d.Manifold, design: Design
+) -> None:
+    """Raise GeometryError unless solid plastic closes a part's pocket opposite its opening. `body`: without pockets."""
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
     inward = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
     layer = _convex_hull(points + MIN_FLOOR_MM * inward) - _convex_hull(points)
     # The floor counts only below the lowest points of a round part
     floor = modeller.check_solid(layer.trim_by_plane(inward.tolist(), float((points @ inward).max()) - MIN_FLOOR_MM))
-    solid = modeller.check_solid(floor ^ body).volume() / floor.volume()
-    if solid < 1.0 - ROUNDING_SHARE:
+    outside, shared = (
+        modeller.check_solid(lost).volume() / floor.volume() for lost in (floor - body, floor ^ body ^ other_pocket)
+    )
+    if outside + shared > ROUNDING_SHARE:
+        where, key = "outside the body or over a hole", _place_key(name)
+        if shared > outside:
+            where, key = f"in the pocket of the {'motor' if name == 'battery' else 'battery'}", f"{name}.up_mm"
         raise GeometryError(
-            f"{_format_place(name, design)}: {100.0 * (1.0 - solid):.2g} % of the floor of its pocket, "
-            f"{MIN_FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket. Move "
-            "it (along_mm, across_mm, up_mm), or make the body larger.",
-            _place_key(name),
+            f"{key} = {getattr(part, key.partition('.')[2]):g}: the floor of its pocket must be {MIN_FLOOR_MM:g} mm of "
+            f"plastic, but {100.0 * max(outside, shared):.2g} % of it is {where}. Move the {name} (along_mm, "
+            "across_mm, up_mm), or make the body larger.",
+            key,
         )
 
 

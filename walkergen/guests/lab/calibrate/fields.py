@@ -36,11 +36,11 @@ class CalibrateFields(request.Request):
     drops: Annotated[int, Field(ge=2, le=1000), Flag("Simulated drops from the hand for each point.", "N")] = 24
     seed: request.Seed = None
     measured: Annotated[
-        float | None, Field(ge=1e-9, le=1.0), Flag("Rebound of a drop, root of height over height.", "NUMBER")
+        float | None,
+        Field(ge=1e-9, le=1.0, description="rebound of a drop: square root of the height after over the height before"),
+        Flag("Rebound of a drop, root of height over height.", "NUMBER"),
     ] = None
-    measured_sd: Annotated[
-        float | None, Field(ge=1e-9, le=1.0), Flag("Standard error of the measured rebound.", "NUMBER")
-    ] = None
+    measured_sd: Annotated[float | None, Field(ge=1e-9, le=1.0), Flag("Standard error of --measured.", "NUMBER")] = None
     tries: Annotated[int, Field(ge=1, le=10_000), Flag("Number of drops in the measured mean.", "N")] = 1
     height_mm: Annotated[float, Field(ge=0.01, le=1000.0), Flag("Height of the drop, mm.", "MM")] = 10.0
     printer: print_fields.Machines = request.DEFAULT_PRINTER
