@@ -217,7 +217,7 @@ def predict(
     --------
     >>> import walkergen as wg
     >>> print(wg.predict(tilt=10).speed)
-    50 ± 10 mm/s, with 95 % 32.8 to 72.4
+    51 ± 11 mm/s, with 95 % 33.6 to 73.8
     """
 
 def sweep(
@@ -250,7 +250,7 @@ def sweep(
     --------
     >>> import walkergen as wg
     >>> wg.sweep(set={"legs.tilt_deg": [5, 10]}).table["speed_mm_s"].round()
-    array([30., 50.])
+    array([31., 51.])
     """
 
 def simulate(

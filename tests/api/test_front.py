@@ -322,7 +322,7 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
 
 def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(run, tmp_path, monkeypatch):
     for name in ("files.figures.png", "files.figures.pdf", "commands.family.preview.preview_figure"):
-        monkeypatch.setattr(f"walkergen.{name}", lambda *_: b"undrawn")  # which takes long
+        monkeypatch.setattr(f"walkergen.{name}", lambda *_, **__: b"undrawn")  # which takes long
     names = ["walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
     Path("weights.csv").write_text(f"part,body_g,leg_g\n{names[0]},0.81,0.012\nwalker_t30.0_flexible_s0.40,0.8,\n")
     Path("speeds.csv").write_text("tilt_deg,speed_mm_s\n10,58\n10,1e9\n")

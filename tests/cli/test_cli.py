@@ -136,8 +136,8 @@ def test_plate_places_every_copy(run, tmp_path):
 
 def test_a_plate_that_does_not_fit_says_how_many_would(run, tmp_path):
     words = ("plate", "--max-plates", "1", "--no-pictures", "--quiet", "--copies")
-    room = int(re.search(r"room for (\d+) parts", refusal_of(run, *words, "500"))[1])
-    assert f"(room for {room} parts)" in refusal_of(run, *words, str(room + 1))
+    room = int(re.search(r"holds (\d+)", refusal_of(run, *words, "500"))[1])
+    assert f"holds {room}." in refusal_of(run, *words, str(room + 1))
     assert not (tmp_path / "out").exists()
     assert run(*words, str(room)).exit_code == 0
 

@@ -29,12 +29,13 @@ def predict_design(design, scene, model="best"):
 
 @pytest.mark.slow
 def test_a_case_that_the_surrogate_declines_is_simulated_once_and_stored():
-    """By direct runs 46.6 mm/s; short runs err by some more. On a slope the surrogate is not corrected."""
-    design, scene = Design().variant(tilt_deg=10.0), plane_scene(contact={"friction": 0.6}, plate={"slope_deg": 0.5})
+    """By direct runs 35.2 mm/s; short runs err by some more. On a slope the surrogate is not corrected."""
+    contact = {"friction": 0.6, "restitution": 0.4}
+    design, scene = Design().variant(tilt_deg=10.0), plane_scene(contact=contact, plate={"slope_deg": 0.5})
     assert predict_design(design, scene, "known").speed.value is None
     row = predict_design(design, scene)
     assert row.speed_by == "runs"
-    assert row.nominal.value == pytest.approx(46.6, rel=0.2)
+    assert row.nominal.value == pytest.approx(35.2, rel=0.2)
     assert row.speed.low_95 < row.speed.ends[1] < row.speed.value < row.speed.ends[2]
     assert predict_design(design, scene, "known") == row
 
@@ -106,7 +107,8 @@ def would_begin(monkeypatch):
     ("key", "value"), [("drive.frequency_hz", 1e9), ("run.step_us", 0.01), ("run.discard_seconds", 1e6)]
 )
 def test_a_walker_that_would_take_minutes_is_refused_by_the_key_that_makes_it_so(key, value, would_begin):
-    scene = templates.load("plane-90hz", "scenes", Scene).variant(**{key: value, "contact.friction": 0.6})
+    unknown = {"feet.rigid_tips": True}  # so that the surrogate says nothing of it
+    scene = templates.load("plane-90hz", "scenes", Scene).variant(**{key: value, **unknown})
     with pytest.raises(InputError) as refused:
         predict_design(Design(), scene)
     assert refused.value.keys == (f"scene.{key}",)

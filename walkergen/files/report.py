@@ -294,7 +294,7 @@ class Report:
     >>> import walkergen as wg
     >>> report = wg.predict(tilt=10)
     >>> round(report.facts["rows"][0]["speed_mm_s"])
-    50
+    51
     """
 
     name: str

@@ -71,9 +71,12 @@ def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Re
     `near`: the walker with the surrogate's numbers, so that a few runs are enough; None if it has none. Raises
     InputError for a walker with so many steps that it takes minutes.
     """
-    if near is None or walker.scene.run.step_us is not None:  # the surrogate's ranges bound all other steps
+    if walker.scene.run.step_us is not None:  # the surrogate's ranges bound the steps of all others that it knows
         _check_run_length(walker)
-    record = corrected_surrogate.simulate(walker, near, progress) or _simulate_runs(walker, progress)
+    record = corrected_surrogate.simulate(walker, near, progress)
+    if record is None:
+        _check_run_length(walker)
+        record = _simulate_runs(walker, progress)
     store = Store()
     try:
         store.save([(_store_key(walker), record)])

@@ -32,7 +32,7 @@ class PredictRequest(request.Request):
     --------
     >>> import walkergen as wg
     >>> print(wg.predict(tilt=10).speed)
-    50 ± 10 mm/s, with 95 % 32.8 to 72.4
+    51 ± 11 mm/s, with 95 % 33.6 to 73.8
     """
 
     by_position: ClassVar = ("design", "scene", "tilt")

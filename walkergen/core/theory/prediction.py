@@ -279,7 +279,7 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
     >>> from walkergen.core import Design, Scene, mass_of, predict
     >>> design = Design()
     >>> print(predict(design, mass_of(design), Scene()).speed)
-    50 ± 10 mm/s, with 95 % 32.8 to 72.4
+    51 ± 11 mm/s, with 95 % 33.6 to 73.8
     """
     try:
         return make_row(design, mass, scene, mode, compute_speed(design, mass, scene))

@@ -165,7 +165,7 @@ def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Ar
 
 
 def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
-    """Return the space that a part and its clearance fill, and sweep while the part is inserted."""
+    """Return the space that a part and its clearance fill, and pass through while the part is inserted."""
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
     return _convex_hull(
         np.concatenate([points, points + _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[part.opens])])

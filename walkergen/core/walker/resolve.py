@@ -185,7 +185,8 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
         span = abs(strut.offset)
         if span + back.half_width + 0.5 * strut.thickness >= spacing:
             problems.append(
-                f"a leg crosses the other's brace: it spans {span:.3f} mm, but legs.contact_spacing_mm = {spacing:g}"
+                f"a leg crosses the other leg's brace: it spans {span:.3f} mm, "
+                f"but legs.contact_spacing_mm = {spacing:g}"
             )
     return problems + _strut_faults((back, front), length)
 

@@ -28,7 +28,7 @@ class SweepRequest(request.Request):
     --------
     >>> import walkergen as wg
     >>> wg.sweep(set={"legs.tilt_deg": [5, 10]}).table["speed_mm_s"].round()
-    array([30., 50.])
+    array([31., 51.])
     """
 
     by_position: ClassVar = ("design", "scene", "set")
