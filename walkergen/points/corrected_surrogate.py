@@ -41,7 +41,7 @@ MIN_RUN_ERROR = 0.02
 MAX_DEVIATIONS = 3.0
 """Standard deviations between surrogate and runs beyond which the surrogate's error is not what it states."""
 
-DIFFERENCE_FACTOR = 1.5
+DIFFERENCE_FACTOR = 2.5
 """Factor of the networks' difference between a walker and a print, so that bounds hold 68 and 95 % of prints."""
 
 MAX_FALL_CHANCE = 0.25
