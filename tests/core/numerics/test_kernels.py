@@ -5,7 +5,6 @@ import gc
 import sys
 import weakref
 from pathlib import Path
-from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 
 import walkergen
 from walkergen.core.numerics.kernels import SOURCE_PATTERNS, borrow_item, kernel, kernel_without_refcount, typed_list
+from walkergen.core.theory.networks import Layer
 
 PACKAGE = Path(walkergen.__file__).parent
 COVERED = {path for pattern in SOURCE_PATTERNS for path in PACKAGE.glob(pattern)}
@@ -70,17 +70,10 @@ def test_only_what_python_calls_has_a_wrapper_and_both_give_the_same():
     assert len(_twice.outer.signatures) == 1
 
 
-class Pair(NamedTuple):
-    """Arrays of a walker, in short."""
-
-    own: np.ndarray
-    shared: np.ndarray
-
-
 @kernel_without_refcount
 def _raise(pairs, i):
     pair = borrow_item(pairs, i)
-    pair.own[0] += pair.shared[1]
+    pair.weights[0] += pair.bias[1]
 
 
 @kernel
@@ -91,12 +84,13 @@ def _raise_all(pairs):
 
 
 def test_items_of_a_list_are_read_without_counting_references_that_would_never_be_returned():
+    """Of a type of the package: the cache names the type, and a command could not import one of these tests."""
     shared = np.arange(2.0)
-    items = [Pair(np.full(1, float(i)), shared) for i in range(3)]
+    items = [Layer(np.full(1, float(i)), shared) for i in range(3)]
     pairs = typed_list(items)
     before = sys.getrefcount(shared)
     _raise_all(pairs)
-    assert [item.own[0] for item in items] == [100.0, 101.0, 102.0]
+    assert [item.weights[0] for item in items] == [100.0, 101.0, 102.0]
     gone = weakref.ref(shared)
     assert sys.getrefcount(shared) == before
     del pairs, items, shared
