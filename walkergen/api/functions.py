@@ -45,7 +45,10 @@ def make_function(name: str) -> Callable[..., Any]:
     request, signature = load_request(name), make_signature(name)
 
     def call(*args: Any, **kwargs: Any) -> Any:
-        """Run the command's job with these arguments. Return its report, with texts spelled for Python."""
+        """Run the command's job with these arguments. Return its report; None for a job without one.
+
+        Its texts and its errors name Python arguments where the command line names flags.
+        """
         values = signature.bind(*args, **kwargs).arguments
         progress = values.pop("progress", None)
         from walkergen.core.files.progress import silent

@@ -111,7 +111,11 @@ def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope
 
 
 def _fit_line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
-    """Fit a cell's speeds over a power of the step; return slope as a share, its error, chi-square and freedom."""
+    """Fit a line to the speeds of a cell (one walker at several time steps) against a power of the step.
+
+    The step is the share of the default step. `peak` is the plate's peak speed, mm/s. Return the slope over the speed,
+    its standard error, chi-square and its degrees of freedom.
+    """
     steps = np.array([row.share for row in cell]) ** power
     speeds, errors = (np.array([getattr(row, name) for row in cell]) for name in ("speed_mm_s", "se_mm_s"))
     design = np.column_stack([np.ones_like(steps), steps]) / errors[:, None]

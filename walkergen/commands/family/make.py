@@ -174,7 +174,10 @@ def _preview_png(name: str, walkers: Sequence[Member]) -> bytes:
 
 
 def _chart_data(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> ChartData:
-    """Return the additional speeds of speed.png."""
+    """Return what speed.png shows besides the family's predictions: curves, measured speeds and the paper's speed.
+
+    If the legs do not follow the family's tilt, measured speeds get the tilt of the walker with their kind of legs.
+    """
     measured = inputs.measured
     if measured is not None and not inputs.design.follows:
         measured = chart_data.assign_member_tilts(

@@ -316,9 +316,9 @@ def _split_key(dotted: str) -> tuple[str, ...]:
 
 
 def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
-    """Describe a key that a file does not have, with the known key most like it, or return "" for a known key.
+    """Return the message on a key that no such file can have, with the allowed key most like it; "" for an allowed key.
 
-    The text lists known keys after `prefix`.
+    `location`: the key's tables and its name. `prefix` is written before each allowed key.
     """
     if _field_at(location, model) is not None:
         return ""

@@ -58,10 +58,10 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def ceiling_span(part: Part, design: Design) -> float:
-    """Return the span, mm, of the bridge that closes a pocket at the top as it prints, or 0 for a pocket open there.
+    """Return the span, mm, of the bridge of plastic over a pocket in the print, or 0 if the pocket is open at that end.
 
-    The bridge takes the shorter way between two walls: along the body, or across to it in the level plane unless the
-    pocket is open there.
+    Bodies print upside down, so a pocket that opens down is open at the top, or on their side. The bridge joins the two
+    nearer walls: those along the body, or those across it unless the pocket opens to the side.
     """
     is_on_side = solids.is_printed_on_side(design)
     if part.opens == ("side" if is_on_side else "down"):

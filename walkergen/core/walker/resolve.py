@@ -134,7 +134,10 @@ def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
 
 
 def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
-    """Return the reasons why marks do not fit the body, one line each."""
+    """Return the reasons why marks, of which the walker has some, do not fit the body, one line each.
+
+    Letters that are the body are marked in place of other bodies' digits: `text` on their upper side.
+    """
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness

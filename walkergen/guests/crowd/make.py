@@ -64,8 +64,9 @@ def _expected_time(request: CrowdRequest, population: Population) -> Expected:
 
 
 def simulate(request: CrowdRequest, population: Population, progress: Progress) -> Simulated:
-    """Place and simulate every run on the requested threads, and measure them.
+    """Place and simulate every run of the scene on the requested threads (`measure`), and compute its statistics.
 
+    `Simulated.runs` are the runs in space (3D), empty for the model in the plane, which keeps only its films.
     Any number of threads gives equal bits. After Ctrl-C, the runs that were done are returned; without any,
     KeyboardInterrupt is raised again. Raises as `prepare` of its model does.
     """

@@ -232,7 +232,7 @@ def _footprint_and_centre(body_key: str) -> "tuple[BaseGeometry, tuple[float, fl
 
 
 def _leg_reach(leg: Limb) -> Reach:
-    """Return the space along the run of the top of a leg and its brace, from its foot."""
+    """Return where the top of a leg and its braces begin and end along the direction of running, mm from its foot."""
     anchor = -leg.anchor_to_foot[0]
     ends = [anchor - leg.half_width, anchor + leg.half_width]
     for strut in section_of(leg).struts(leg):

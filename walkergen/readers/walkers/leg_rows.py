@@ -52,7 +52,7 @@ MARGIN_TOLERANCE = 1e-9
 
 
 class Reach(NamedTuple):
-    """Space of a leg along the run, mm, from its foot."""
+    """Extent of a leg along the direction of running, mm from its foot."""
 
     back: float
     """Where it begins: at its foot for a brace, else at the back of its top."""
