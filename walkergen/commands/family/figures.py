@@ -88,7 +88,9 @@ def speed_figure(
         axes, "legs as designed" if named else "tilt of the legs (deg)", f"{'' if mixed else 'predicted '}speed (mm/s)"
     )
     _set_limits(axes, walkers, named)
-    figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2)
+    figure.legend(
+        legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=0.8, handlelength=1.6
+    )
     return figure
 
 
