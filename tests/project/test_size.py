@@ -18,7 +18,7 @@ SLACK = 200
 
 LIMITS = {
     "walkergen/analysis": 5290,
-    "walkergen/api": 300,
+    "walkergen/api": 310,
     "walkergen/app": 2670,
     "walkergen/cli": 870,
     "walkergen/commands": 8180,
