@@ -109,6 +109,6 @@ def write_one(design: Design, path: Path, scene: Scene | None = None) -> Report:
             output.write(path.with_name(name), data)
         output.write(path, model)  # last: it names the others
     else:
-        endings = ", ".join(f".{ending}" for ending in FORMATS) + f", {MJCF_SUFFIX}"
-        raise InputError(f"{str(path)!r}: must end in one of {endings}")
+        endings = (*(f".{ending}" for ending in FORMATS), MJCF_SUFFIX)
+        raise InputError(f"{str(path)!r}: {output.describe_endings(path, endings)}")
     return _report([path], [])

@@ -12,6 +12,7 @@ import platform
 import re
 import secrets
 import stat
+from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Self
@@ -34,6 +35,13 @@ MAX_SEALED_BYTES = 500_000_000
 
 MAX_NAMED_FILES = 5
 """Most files that are named as left alone; the others are counted."""
+
+
+def describe_endings(path: Path, endings: Iterable[str], note: str = "") -> str:
+    """Return what is wrong with the name of a file that has none of the endings; `note` explains these."""
+    if path.name.lower() in endings:
+        return f"the name before the ending is missing. Write for example run{path.name}"
+    return f"must end in one of {', '.join(endings)}{note}"
 
 
 def write(path: Path, data: bytes, lasting: bool = True) -> None:

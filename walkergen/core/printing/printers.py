@@ -168,10 +168,11 @@ def read_profile(path: Path) -> dict[str, Any]:
         )
     lines = [line.partition("=") for line in file_reading.read_lines(path, "a slicer's profile", MAX_PROFILE_BYTES)]
     values = {key.strip(): value.strip() for key, mark, value in lines if mark and not key.startswith(("#", ";"))}
-    if "bed_shape" not in values or any(key.startswith("[printer:") for key, _, _ in lines):
+    is_bundle = any(key.startswith("[printer:") for key, _, _ in lines)
+    if is_bundle or "bed_shape" not in values:
+        problem = "a bundle of several sections" if is_bundle else "a slicer's file without bed_shape"
         raise InputError(
-            f"{path}: a slicer's file, but not of one printer with its bed_shape: export it in PrusaSlicer by "
-            "File > Export > Export Config",
+            f"{path}: {problem}. Choose one printer in PrusaSlicer and export it: File > Export > Export Config",
             "printer",
         )
     data: dict[str, Any] = {"description": f"as {safe_text.shorten_line(path.name)[:60]}, a slicer's profile, states"}

@@ -286,8 +286,9 @@ def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
         if cell := row.get(quantity, "").strip():
             value = formatting.parse_number(cell)
             if value is None or not MIN_MASS_G <= value <= MAX_MASS_G:
+                advice = ". Write a decimal point instead of the comma" if "," in cell else ""
                 raise InputError(
-                    f"{quantity} = {cell[:30]!r}: must be a number in {MIN_MASS_G:g}..{MAX_MASS_G:g}, in grams"
+                    f"{quantity} = {cell[:30]!r}: must be a number in {MIN_MASS_G:g}..{MAX_MASS_G:g}, in grams{advice}"
                 )
             values[quantity] = value
     return values

@@ -94,7 +94,9 @@ class SweepPoints(NamedTuple):
             if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 if self.file is None:
                     raise
-                raise InputError(error.text.replace(f"{source}: ", f"{source}."), *error.keys) from None
+                is_number = "must be a number" in error.text and isinstance(value, (list, dict))
+                advice = '. In [grid] also a list of numbers, or a range such as "0:45:5"' if is_number else ""
+                raise InputError(error.text.replace(f"{source}: ", f"{source}.") + advice, *error.keys) from None
 
     def try_point(self, values: Mapping[str, Any]) -> PointOrRefusal:
         """Return the point with these values of the keys, or the record of an invalid point."""
