@@ -99,7 +99,7 @@ def test_from_a_template_to_its_part_in_three_clicks(page):
 def test_a_tilt_that_is_typed_gives_the_speed_of_predict(page):
     page.type("legs.tilt_deg", 7.5)
     row = walkergen(page.folder, "predict", "koumakis2016", "--tilt", "7.5")
-    assert f"{page.speed():.1f}" in row
+    assert float(row.split(": ")[1].split(" ±")[0]) == pytest.approx(page.speed(), abs=0.051)  # either is rounded
     path, lines = page.take("stl")
     assert "--tilt 7.5" in lines[0]
     made_again(page, path, lines)

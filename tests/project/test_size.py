@@ -22,7 +22,7 @@ LIMITS = {
     "walkergen/app": 2670,
     "walkergen/cli": 870,
     "walkergen/commands": 8180,
-    "walkergen/core": 17730,
+    "walkergen/core": 17740,
     "walkergen/files": 1520,
     "walkergen/guests/crowd": 7250,
     "walkergen/guests/lab": 4910,
