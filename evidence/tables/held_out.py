@@ -23,7 +23,7 @@ from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import Run
 from walkergen.core.theory import surrogate
 from walkergen.core.theory.prediction import STANDING_MM_S
-from walkergen.core.theory.surrogate import GOAL_MM_S, GOAL_SHARE, NORMAL_95, FallsError, UnknownError
+from walkergen.core.theory.surrogate import NORMAL_95, FallsError, UnknownError
 from walkergen.core.walker import solids
 from walkergen.files import figures
 from walkergen.points import walkers, worker_pool
@@ -112,7 +112,7 @@ def summarize(rows: Sequence[Compared], asked: int) -> list[str]:
     )
     off, noise = np.abs(predicted - direct), NORMAL_95 * se
     near = np.maximum(MEDIAN_SHARE * np.abs(direct), MEDIAN_MM_S)
-    goal = np.maximum(GOAL_SHARE * np.abs(direct), GOAL_MM_S)
+    goal = settings.goal_error(direct)
     falls = np.mean([row.falls > 0.0 for row in speeds])
     fallen = [row.falls >= MAX_FALL_SHARE for row in rows if row.surrogate_mm_s is None]
     return [
@@ -146,7 +146,7 @@ def draw_picture(rows: Sequence[Compared]) -> bytes:
     halves = np.array([row.half_95_mm_s for row in good])
     ends = 1.3 * max(np.abs(x).max(), np.abs(y).max())
     line = np.concatenate([-np.geomspace(ends, 0.01, 200), np.geomspace(0.01, ends, 200)])
-    goal = np.maximum(GOAL_SHARE * np.abs(line), GOAL_MM_S)
+    goal = settings.goal_error(line)
     axes.fill_between(line, line - goal, line + goal, color="0.88", linewidth=0, label="10 % or 1 mm/s")
     axes.plot(line, line, color="0.4", linewidth=0.8)
     figures.draw_points(axes, (x, y, halves), figures.MEASURED, label="a setting, 95 %")

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.scene import Arena, Contact, Drive, Feet, LegModel, Plate, Run, Scene
@@ -17,6 +18,8 @@ from walkergen.core.walker.body import Body
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Kind, Legs
 from walkergen.core.walker.spec import Material
+
+Array = npt.NDArray[np.float64]
 
 Row = dict[str, float | None]
 """Numbers of a row by the names of `KEYS`; None where a lane's walls, or a key of its own, are not there."""
@@ -93,6 +96,15 @@ TRAINING_RUN = Run(seconds=1.5, discard_seconds=0.3, runs=6)
 
 HELD_OUT_RUN = Run(seconds=3.5, discard_seconds=0.5, runs=12)
 """Runs of a held-out row."""
+
+
+GOAL_SHARE, GOAL_MM_S = 0.10, 1.0
+"""Goal: 95 % of the surrogate's answers are off by at most a share of the speed, or by a speed if that is more."""
+
+
+def goal_error(speed: Array) -> Array:
+    """Return the goal for the error of answers of these speeds, mm/s, of the same shape."""
+    return np.maximum(GOAL_SHARE * np.abs(speed), GOAL_MM_S)
 
 
 class Case(NamedTuple):

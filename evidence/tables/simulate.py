@@ -19,7 +19,7 @@ from walkergen.core import measure
 from walkergen.core.errors import WalkergenError
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.theory import surrogate
-from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, NORMAL_95, UnknownError
+from walkergen.core.theory.surrogate import NORMAL_95, UnknownError
 from walkergen.core.walker import solids
 from walkergen.points import run_time, walkers, worker_pool
 from walkergen.points.experiments import Walker
@@ -83,13 +83,13 @@ def is_uncertain(row: Row) -> bool:
         cpu_s = run.runs * (run.seconds + run.discard_seconds) * run_time.rate_from_steps(walker.plan())
         if cpu_s > MAX_ROW_CPU_S:
             return False
-        speed, se = surrogate.case_in_domain(*walker[:3], within_goal=False).nominal
+        speed, se = surrogate.case_in_domain(*walker[:3], only_certain=False).nominal
     except UnknownError as error:
         return error.near is not None
     except WalkergenError:
         return False
-    ratio = NORMAL_95 * se / max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S)
-    return UNCERTAIN_RANGE[0] < ratio < UNCERTAIN_RANGE[1]
+    ratio = NORMAL_95 * se / surrogate.allowed_error(speed)
+    return bool(UNCERTAIN_RANGE[0] < ratio < UNCERTAIN_RANGE[1])
 
 
 def csv_row(row: Row) -> list[str]:

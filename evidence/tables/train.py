@@ -22,14 +22,7 @@ from walkergen.core.theory import dimensionless as places
 from walkergen.core.theory import networks
 from walkergen.core.theory.dimensionless import Place
 from walkergen.core.theory.networks import LINEAR_BELOW, Layer
-from walkergen.core.theory.surrogate import (
-    GOAL_MM_S,
-    GOAL_SHARE,
-    MAX_ERROR_MM_S,
-    MAX_ERROR_SHARE,
-    MAX_FALL_CHANCE,
-    NORMAL_95,
-)
+from walkergen.core.theory.surrogate import MAX_FALL_CHANCE, NORMAL_95, allowed_error
 from walkergen.core.walker import solids
 from walkergen.core.walker.limbs import Kind
 from walkergen.points import worker_pool
@@ -258,17 +251,11 @@ def _stack_layers(alike: Sequence[Sequence[Layer]], name: str) -> dict[str, Arra
     return arrays
 
 
-def _layers_of(arrays: Mapping[str, Array], name: str) -> list[Layer]:
-    """Return the layers of the networks of a name from arrays that are not stored yet."""
-    count = sum(key.startswith(f"{name}_weights") for key in arrays)
-    return [Layer(arrays[f"{name}_weights{k}"], arrays[f"{name}_bias{k}"]) for k in range(count)]
-
-
 def _speeds_left_out(
     arrays: Mapping[str, Array], kind: Kind, inputs: Array, factors: Array, left_out: Sequence[Array]
 ) -> Array:
     """Compute each row's mean speed, after asinh, from the networks that were trained without it, shape (n,)."""
-    speeds = (networks.evaluate(_layers_of(arrays, kind), inputs) * factors).sum(axis=-1)
+    speeds = (networks.evaluate(networks.select_layers(arrays, kind), inputs) * factors).sum(axis=-1)
     without = np.array(left_out)
     return np.asarray((speeds * without).sum(axis=0) / without.sum(axis=0))
 
@@ -277,17 +264,13 @@ def _train_errors(
     kind: Kind, inputs: Array, factors: Array, off: Array, se: Array, pool: worker_pool.WorkerPool
 ) -> dict[str, Array]:
     """Train the networks of the error on `off`, each row's error by networks without it; return their arrays."""
-    tilted = np.flatnonzero(_level(factors) > MIN_LEVEL)
-    level, ones = _level(factors)[tilted], np.ones((len(tilted), 1))
+    every_level = networks.error_level(factors)
+    tilted = np.flatnonzero(every_level > MIN_LEVEL)
+    level, ones = every_level[tilted], np.ones((len(tilted), 1))
     epochs = round(ERROR_EPOCHS_SHARE * EPOCHS[kind])
     learn = inputs[tilted], ones, off[tilted] / level, (se[tilted] / level) ** 2
     tasks = [Task("error", *learn, ERROR_LAYERS, epochs, seed) for seed in range(ERROR_NETWORKS)]
     return _stack_layers(list(pool.executor.map(train_network, tasks)), f"{kind}_log_error")
-
-
-def _level(factors: Array) -> Array:
-    """Return the share of its error that a walker has: by symmetry none without tilt on a level plate, shape (n,)."""
-    return np.asarray(np.minimum(np.abs(factors).sum(axis=1), 1.0))
 
 
 def _fit_error_factors(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
@@ -299,10 +282,10 @@ def _fit_error_factors(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) 
     from scipy.optimize import minimize
     from scipy.stats import t
 
-    speeds = (networks.evaluate(_layers_of(arrays, kind), unseen.inputs) * unseen.factors).sum(axis=-1)
+    speed_layers, log_error = (networks.select_layers(arrays, name) for name in (kind, f"{kind}_log_error"))
+    speeds = (networks.evaluate(speed_layers, unseen.inputs) * unseen.factors).sum(axis=-1)
     off = speeds.mean(axis=0) - unseen.values
-    log_error = networks.evaluate(_layers_of(arrays, f"{kind}_log_error"), unseen.inputs)[..., 0].mean(axis=0)
-    parts = np.stack([speeds.std(axis=0, ddof=1), np.exp(log_error) * _level(unseen.factors)])
+    parts = networks.error_parts(speeds, log_error, unseen.inputs, unseen.factors)
 
     def loss(logs: Array) -> float:
         sd = np.sqrt((np.exp(2.0 * logs)[:, None] * parts**2).sum(axis=0) + unseen.se**2)
@@ -321,13 +304,12 @@ def measure_errors(kind: Kind, every: Rows) -> dict[str, float]:
     speeds = networks.speeds_at(kind, unseen.places)
     speed = unseen.peak * LINEAR_BELOW * np.sinh(speeds.centre)
     error = unseen.peak * LINEAR_BELOW * np.cosh(speeds.centre) * speeds.error
-    allowed = np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
     sure = speeds.falls <= MAX_FALL_CHANCE
-    answered = sure & (NORMAL_95 * error <= allowed)
+    answered = sure & (NORMAL_95 * error <= allowed_error(speed))
     fell = ~(unseen.falls <= 0.0)
     good = answered & np.isfinite(unseen.se)
     off = np.abs(speed - unseen.speed)[good]
-    within = np.maximum(GOAL_SHARE * np.abs(unseen.speed[good]), GOAL_MM_S)
+    within = settings.goal_error(unseen.speed[good])
     noise = NORMAL_95 * unseen.se[good]
     return {
         "rows": float(len(speed)),
@@ -366,7 +348,7 @@ def _write_surrogate(arrays: Mapping[str, Array], facts: Mapping[str, Any]) -> N
     stream = io.BytesIO()
     np.savez(stream, allow_pickle=False, **kept, digest=np.array(networks.hash_arrays(kept)))
     output.write(networks.NETWORK_FILE, stream.getvalue())
-    for remembered in (networks.load_arrays, networks.digest, networks.training_facts, networks.load_layers):
+    for remembered in (networks.load_arrays, networks.digest, networks.training_facts):
         remembered.cache_clear()
 
 

@@ -66,7 +66,7 @@ def test_surrogate_and_runs_count_by_their_errors_and_disagree_beyond_them():
 def test_walkers_without_a_statistical_error_are_left_to_runs_of_their_prints(tables, max_error, monkeypatch):
     design, scene = Design().variant(tilt_deg=10.0), Scene.model_validate(PAPER | tables)
     walker = Walker(scene, design, solids.mass_of(design))
-    known = surrogate.case_in_domain(*walker[:3], within_goal=False)
+    known = surrogate.case_in_domain(*walker[:3], only_certain=False)
     monkeypatch.setattr(corrected_surrogate, "MAX_SURROGATE_ERROR", max_error)
     assert corrected_surrogate.simulate(walker, known, silent) is None
     assert corrected_surrogate.simulate(walker, None, silent) is None

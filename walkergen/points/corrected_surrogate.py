@@ -19,7 +19,7 @@ from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult
 from walkergen.core.theory import networks, prediction
 from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
-from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, NORMAL_95, Known
+from walkergen.core.theory.surrogate import NORMAL_95, Known
 from walkergen.core.theory.uncertain_inputs import QUANTILES
 from walkergen.points import print_ensemble
 from walkergen.points.experiments import Walker
@@ -48,19 +48,18 @@ MAX_FALL_CHANCE = 0.25
 """Chance of a fall, by the networks, beyond which runs of a second are too short to show how often a walker falls."""
 
 
-class ToGoal(NamedTuple):
-    """Rule that adds runs until the error of the speed as designed is within the surrogate's goal."""
+class UntilCertain(NamedTuple):
+    """Rule that adds runs until the speed as designed is as certain as the surrogate's answers."""
 
     known: Known
     first: int = FIRST_RUNS
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return a measurement with RUN_GROWTH times as many runs; None if the goal or MAX_RUNS is reached."""
+        """Return a measurement with RUN_GROWTH times as many runs; None if that is certain enough, or MAX_RUNS."""
         nominal = combine(self.known, measured.records)
         if nominal is None or measured.runs >= MAX_RUNS:
             return None
-        speed, se = self.known.to_mm_s(nominal)
-        if NORMAL_95 * se <= max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S):
+        if self.known.is_certain(nominal):
             return None
         return measured.with_runs(min(MAX_RUNS, math.ceil(RUN_GROWTH * measured.runs)))
 
@@ -73,7 +72,7 @@ def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record 
     if known is None or not _can_correct(known):
         return None
     short_walker = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
-    measured = measure(short_walker, ToGoal(known), progress)
+    measured = measure(short_walker, UntilCertain(known), progress)
     if measured.partial:
         raise KeyboardInterrupt
     by_step, nominal = measured.quantities[SPEED].bias, combine(known, measured.records)
@@ -98,7 +97,7 @@ def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
     scale = LINEAR_BELOW * known.peak_speed
     low, high, measured = (math.asinh(speed / scale) for speed in (*bounds, mean.number))
     noise = math.hypot((high - low) / (2.0 * NORMAL_95), MIN_RUN_ERROR)
-    prior = known.speeds_at(known.place)
+    prior = known.predicted
     if np.any(np.abs(measured - prior.centre) > MAX_DEVIATIONS * np.hypot(prior.error, noise)):
         return None
     part = prior.error**2 / (prior.error**2 + noise**2)
@@ -111,7 +110,7 @@ def _can_correct(known: Known) -> bool:
     On a plane that slopes a walker turns downhill; below 1 g some prints stand and others bounce. Runs that leave
     effects out are not those of the surrogate.
     """
-    scene, predicted = known.scene, known.speeds_at(known.place)
+    scene, predicted = known.scene, known.predicted
     unsteady = scene.drive.peak_gamma < 1.0 or (scene.arena.kind == "plane" and scene.plate.slope_deg != 0.0)
     sure = bool(predicted.error[0] <= MAX_SURROGATE_ERROR and predicted.falls[0] <= MAX_FALL_CHANCE)
     return sure and not unsteady and scene.run.accepted_error is None
@@ -128,7 +127,7 @@ def _print_spread(known: Known, nominal: Speeds, by_step: float) -> Record:
 
     `nominal`: corrected speed as designed. `by_step`: error by the time step (95 %), mm/s.
     """
-    drawn, predicted = prediction.sample_prediction_inputs(known.scene, known.design), known.speeds_at(known.place)
+    drawn, predicted = prediction.sample_prediction_inputs(known.scene, known.design), known.predicted
     speeds = known.sample_speeds(drawn)
     factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]
     error = np.hypot(nominal.error, factor * (speeds.each - predicted.each).std(axis=0, ddof=1))

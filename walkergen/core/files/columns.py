@@ -1,8 +1,7 @@
 """CSV files that people and programs write: whole columns of numbers, or records of text.
 
-Every line is parsed alone, so that an open quote spoils no other. Bad rows of numbers are named,
-not hidden. A million sound rows take about a second, as with pandas, which would be the largest
-dependency.
+Every line is parsed alone, so that an open quote spoils no other. Bad rows of numbers are named, not hidden. A million
+sound rows take about a second, as with pandas, which would be the largest dependency.
 """
 
 import csv

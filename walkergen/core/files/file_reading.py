@@ -1,8 +1,7 @@
 """Reading of files that people write: every failure to read a file is an InputError of one line.
 
-Only regular files of up to a stated size are read. A pipe could wait for ever, a device never
-end, and a file named as a table may be a disk image. Messages name the required format, such
-as "a CSV file".
+Only regular files of up to a stated size are read. A pipe could wait for ever, a device never end, and a file named as
+a table may be a disk image. Messages name the required format, such as "a CSV file".
 """
 
 import io

@@ -1,8 +1,7 @@
 """Writing files so that none is ever half-written, and folders that record what they hold.
 
-A file whose name walkergen chooses is written only if there is none, or an unchanged one that
-walkergen wrote. Any other file is left alone, and an error names it after all else is done.
-A file that a user names is replaced.
+A file whose name walkergen chooses is written only if there is none, or an unchanged one that walkergen wrote. Any
+other file is left alone, and an error names it after all else is done. A file that a user names is replaced.
 """
 
 import contextlib
@@ -47,12 +46,11 @@ def describe_endings(path: Path, endings: Iterable[str], note: str = "") -> str:
 def write(path: Path, data: bytes, lasting: bool = True) -> None:
     """Write a file completely or not at all: a temporary name in the same folder, then a rename.
 
-    A `lasting` file is on the disk on return and survives a power cut. Other files reach the disk
-    later, which saves a wait of milliseconds each.
+    A `lasting` file is on the disk on return and survives a power cut. Other files reach the disk later, which saves a
+    wait of milliseconds each.
 
-    The temporary file is new and has an unpredictable name, so that no prepared link can redirect
-    it. Parent folders are made. Raises OutputError. On any exception the temporary file is
-    removed.
+    The temporary file is new and has an unpredictable name, so that no prepared link can redirect it. Parent folders
+    are made. Raises OutputError. On any exception the temporary file is removed.
     """
     try:
         # Of long names the beginning: the whole must not exceed what a folder holds
@@ -198,7 +196,8 @@ class Folder:
             _remove_leftovers(path.parent)
             self._tidied.add(path.parent)
         if not self._can_overwrite(name, digest):
-            self.left += [] if name in self.left else [name]
+            if name not in self.left:
+                self.left.append(name)
             return False
         try:
             self._ledger.append_hash(name, digest)

@@ -66,11 +66,10 @@ def part_3mf(mesh: Mesh, name: str) -> bytes:
 def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None) -> bytes:
     """Return a 3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
-    A copy whose part number is not its solid's name has an object of its own, which refers to the
-    solid and bears the copy's name: Bambu Studio and OrcaSlicer list it, and the plate by `title`.
-    Names may hold anything: what XML cannot is replaced by "_". UUIDs follow from the title, the
-    names and the order. `thumbnail` is a PNG of the whole. Raises SolidError when lib3mf refuses a
-    mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
+    A copy whose part number is not its solid's name has an object of its own, which refers to the solid and bears the
+    copy's name: Bambu Studio and OrcaSlicer list it, and the plate by `title`. Names may hold anything: what XML cannot
+    is replaced by "_". UUIDs follow from the title, the names and the order. `thumbnail` is a PNG of the whole. Raises
+    SolidError when lib3mf refuses a mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
     """
     wrapper = _lib3mf_wrapper()
     title = _xml_safe(title)

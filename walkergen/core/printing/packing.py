@@ -1,8 +1,7 @@
 """Plates: copies of parts in rows on a printer's bed, on as many plates as they need.
 
-Parts keep their orientation, z up, and are not turned: rows of a family stay in the
-order of its members. Lengths in mm; the packing itself is in whole micrometres, so that no
-rounding brings two parts closer than the gap.
+Parts keep their orientation, z up, and are not turned: rows of a family stay in the order of its members. Lengths in
+mm; the packing itself is in whole micrometres, so that no rounding brings two parts closer than the gap.
 """
 
 import math
@@ -94,9 +93,8 @@ def pack(
 ) -> list[Plate]:
     """Arrange all copies in rows in the order of the parts, at most `max_parts` on a plate.
 
-    The rows of a plate together lie in the middle of the bed.
-    Raises PlateError when a part is larger than the usable bed or taller than the printer, when
-    more than `max_plates` are needed, and for more than MAX_ARRANGED_PARTS copies.
+    The rows of a plate together lie in the middle of the bed. Raises PlateError when a part is larger than the usable
+    bed or taller than the printer, when more than `max_plates` are needed, and for more than MAX_ARRANGED_PARTS copies.
     """
     total = sum(part.copies for part in parts)
     check_part_count(total)

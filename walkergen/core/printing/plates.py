@@ -124,11 +124,10 @@ def layout_files(
 ) -> Iterator[tuple[str, bytes]]:
     """Yield names and bytes of a layout's files: first COMMON_FILE_COUNT with descriptions, then plate by plate.
 
-    STEM_PRINTER.csv is the map and STEM_PRINTER.md the print sheet. STEM_PRINTER.ini holds the
-    settings for PrusaSlicer, with printer and filament to load it alone. STEM_PRINTER_print.ini
-    omits these. STEM_PRINTER_orca.json holds the settings for OrcaSlicer and Bambu Studio.
-    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf) is a plate. `draw` adds STEM_PRINTER_NUMBER.png
-    and a view of the plate from above as each 3MF file's thumbnail. `prusaslicer` declares
+    STEM_PRINTER.csv is the map and STEM_PRINTER.md the print sheet. STEM_PRINTER.ini holds the settings for
+    PrusaSlicer, with printer and filament to load it alone. STEM_PRINTER_print.ini omits these. STEM_PRINTER_orca.json
+    holds the settings for OrcaSlicer and Bambu Studio. STEM_PRINTER_NUMBER.3mf (.stl without lib3mf) is a plate. `draw`
+    adds STEM_PRINTER_NUMBER.png and a view of the plate from above as each 3MF file's thumbnail. `prusaslicer` declares
     3MF files to be PrusaSlicer's own.
     """
     start = f"{stem}_{layout.printer.name}"

@@ -33,9 +33,8 @@ def describe_orientation(design: Design) -> str:
 
 
 OUTLINE_SPEED_MM_S, LINE_SPEED_MM_S = 20.0, 43.0
-"""Time of a layer: its outline at the first speed, all its lines at the second, mm/s. Fitted to
-PrusaSlicer 2.5's own times at its default speeds: the shipped walkers, 1 to 20 of them, on four
-printers, in layers of 0.1 to 0.3 mm."""
+"""Time of a layer: its outline at the first speed, all its lines at the second, mm/s. Fitted to PrusaSlicer 2.5's own
+times at its default speeds: the shipped walkers, 1 to 20 of them, on four printers, in layers of 0.1 to 0.3 mm."""
 
 TIME_TOLERANCE = 0.25
 """Relative error of the time at those speeds: 14 % below to 24 % above in that fit."""

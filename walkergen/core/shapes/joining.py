@@ -58,8 +58,7 @@ def leg_prism(foot: Array, direction: Array, thickness: float, width: float, len
 def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     """Return the part of a leg outside the body, cut flush: from its foot to the body's surface.
 
-    Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
-    it again.
+    Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of it again.
     """
     leg_solid = modeller.to_solid(leg)
     remainder = modeller.check_solid(leg_solid - body.solid).decompose()

@@ -1,8 +1,7 @@
 """Networks of the surrogate: speeds at places, their error and the chance of a fall, from the shipped file.
 
-Ten networks of the speed were each trained without another two tenths of the rows (evidence/tables). Other networks
-learnt how far these are off at the rows that they were trained without. Both their standard deviation and the learnt
-error count, with factors so that bounds hold at rows that no network was trained on.
+Ten networks of the speed were each trained without another two tenths of the rows (evidence/tables). Their error has
+two parts: their standard deviation, and what other networks learnt from rows that they were trained without.
 """
 
 import hashlib
@@ -111,13 +110,11 @@ def training_facts() -> dict[str, Any]:
     return stored
 
 
-@cache
-def load_layers(name: str) -> tuple[Layer, ...]:
-    """Return the layers of the networks of this name."""
-    kept = load_arrays()
+def select_layers(arrays: Mapping[str, Any], name: str) -> tuple[Layer, ...]:
+    """Return the layers of the networks of this name, in their order, from arrays by name."""
     layers: list[Layer] = []
-    while f"{name}_weights{len(layers)}" in kept:
-        layers.append(Layer(kept[f"{name}_weights{len(layers)}"], kept[f"{name}_bias{len(layers)}"]))
+    while f"{name}_weights{len(layers)}" in arrays:
+        layers.append(Layer(arrays[f"{name}_weights{len(layers)}"], arrays[f"{name}_bias{len(layers)}"]))
     return tuple(layers)
 
 
@@ -177,17 +174,26 @@ def evaluate_smooth(terms: Array, weights: Array) -> Array:
     return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENT_RANGE)))
 
 
+def error_level(odd: Array) -> Array:
+    """Return the share of an error that remains, shape (n,): by symmetry none without tilt on a level plate."""
+    return np.asarray(np.minimum(np.abs(odd).sum(axis=1), 1.0))
+
+
+def error_parts(values: Array, log_error: Sequence[Layer], inputs: Array, odd: Array) -> Array:
+    """Return two errors (2, n) of speeds (networks, n): their standard deviation, and that of networks `log_error`."""
+    learnt = np.exp(evaluate(log_error, inputs)[..., 0].mean(axis=0))
+    return np.stack([values.std(axis=0, ddof=1), learnt * error_level(odd)])
+
+
 def speeds_at(kind: Kind, places: Array) -> Speeds:
     """Return the speeds at places, shape (n, numbers), of walkers with legs of a kind."""
     kept = load_arrays()
     plain, odd = network_inputs(places)
     inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]
-    values = (evaluate(load_layers(kind), inputs) * odd).sum(axis=-1)
+    values = (evaluate(select_layers(kept, kind), inputs) * odd).sum(axis=-1)
     terms, uneven = features(inputs), places[:, Place._fields.index("unevenness_ratio")]
     prints = uneven * evaluate_smooth(terms, kept[f"{kind}_prints"])
-    level = np.minimum(np.abs(odd).sum(axis=1), 1.0)  # none without tilt on a level plate, by symmetry
-    learnt = np.exp(evaluate(load_layers(f"{kind}_log_error"), inputs)[..., 0].mean(axis=0))
-    parts = np.stack([values.std(axis=0, ddof=1), learnt * level])
+    parts = error_parts(values, select_layers(kept, f"{kind}_log_error"), inputs, odd)
     error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)
-    falls = 1.0 / (1.0 + np.exp(-evaluate(load_layers(f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
+    falls = 1.0 / (1.0 + np.exp(-evaluate(select_layers(kept, f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
     return Speeds(values.mean(axis=0), error, prints, falls, values)

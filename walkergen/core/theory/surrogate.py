@@ -1,16 +1,16 @@
 """Surrogate of the model in space: a simulation's result in a millisecond, inside its tested domain.
 
 Small networks on dimensionless numbers of a walker with two equal legs on a shaken plate or in a lane
-(evidence/tables trains them on simulated walkers). Their error for a walker comes from the differences between ten of
-them and from errors at rows that they were trained without. The surrogate gives no answer if that error is above
-MAX_ERROR_SHARE and MAX_ERROR_MM_S, if walkers may fall over, or outside the sampled numbers.
+(evidence/tables trains them on simulated walkers). The surrogate gives no answer if its error is above MAX_ERROR_SHARE
+and MAX_ERROR_MM_S, if walkers may fall over, or outside the sampled numbers.
 Such a walker is simulated (`points.speed_prediction`).
 """
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from statistics import NormalDist
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,11 +30,9 @@ Array = npt.NDArray[np.float64]
 NORMAL_95 = NormalDist().inv_cdf(0.975)
 """Standard deviations on either side of the middle that hold 95 % of a normal distribution."""
 
-GOAL_SHARE, GOAL_MM_S = 0.10, 1.0
-"""Goal: 95 % of the surrogate's answers are off by at most a share of the speed, or by a speed if that is more."""
-
 MAX_ERROR_SHARE, MAX_ERROR_MM_S = 0.15, 1.5
-"""Largest stated error (95 %) of an answer. Most have smaller ones, so that all together meet the goal."""
+"""Largest stated error (95 %) of an answer: a share of the speed, or a speed if that is more. Most answers have smaller
+ones, so that 95 % of all are within 10 % or 1 mm/s."""
 
 MAX_FALL_CHANCE, SURE_FALL_CHANCE = 0.04, 0.9
 """Largest chance of a fall, from the networks, that allows a speed as the answer, and smallest chance that gives a fall
@@ -61,7 +59,8 @@ class FallsError(UnknownError):
         self.chance = chance
 
 
-class Known(NamedTuple):
+@dataclass(frozen=True)
+class Known:
     """Walker in a scene within the surrogate's domain."""
 
     design: Design
@@ -84,39 +83,52 @@ class Known(NamedTuple):
         speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(place), *_input_bounds(kind)))
         return speeds._replace(centre=self.sign * speeds.centre)
 
+    @cached_property
+    def predicted(self) -> Speeds:
+        """Speed of the walker as designed."""
+        return self.speeds_at(self.place)
+
     @property
     def nominal(self) -> tuple[float, float]:
         """Speed of the walker as designed and its standard error, mm/s."""
-        return self.to_mm_s(self.speeds_at(self.place))
+        return self.to_mm_s(self.predicted)
 
     def to_mm_s(self, speeds: Speeds) -> tuple[float, float]:
         """Return the first of some speeds and its standard error, mm/s."""
         slope = LINEAR_BELOW * math.cosh(speeds.centre[0])
         return self.peak_speed * float(speeds.speed_ratios(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
 
+    def is_certain(self, speeds: Speeds) -> bool:
+        """Return whether the first of some speeds is certain enough to be an answer."""
+        speed, se = self.to_mm_s(speeds)
+        return bool(NORMAL_95 * se <= allowed_error(speed))
+
     def sample_speeds(self, drawn: Drawn) -> Speeds:
         """Return the speeds at drawn values of the inputs of a prediction."""
         return self.speeds_at(self.place.with_inputs(self.design, self.scene, drawn))
 
 
-def case_in_domain(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
+def allowed_error(speed: Array | float) -> Array:
+    """Return the largest stated error (95 %) of answers of these speeds, mm/s, of the same shape."""
+    return np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
+
+
+def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_certain: bool = True) -> Known:
     """Return a walker within the surrogate's domain.
 
-    Pass `within_goal=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
+    Pass `only_certain=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
     the reason, for a walker that has to be simulated, and FallsError for one that falls over.
     """
     for reason in _domain_violations(scene, design):
         raise UnknownError(reason)
     known = Known(design, scene, dimensionless.compute_place(scene, design, mass))
     _check_ranges(design.kind, known.place)
-    speeds = known.speeds_at(known.place)
-    if speeds.falls[0] >= SURE_FALL_CHANCE:
-        raise FallsError(float(speeds.falls[0]))
-    if speeds.falls[0] > MAX_FALL_CHANCE:
+    fall_chance = float(known.predicted.falls[0])
+    if fall_chance >= SURE_FALL_CHANCE:
+        raise FallsError(fall_chance)
+    if fall_chance > MAX_FALL_CHANCE:
         raise UnknownError("such walkers may fall over", known)
-    speed, se = known.to_mm_s(speeds)
-    goal = max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S)
-    if within_goal and NORMAL_95 * se > goal:
+    if only_certain and not known.is_certain(known.predicted):
         raise UnknownError(
             f"the surrogate's error is more than {100 * MAX_ERROR_SHARE:g} % and {MAX_ERROR_MM_S:g} mm/s", known
         )

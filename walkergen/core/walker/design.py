@@ -1,10 +1,9 @@
 """Design of a walker: the user's choices, with the shape and the legs that they determine.
 
-Geometry in the x-y plane with the middle of the body at the origin, y up; all legs leave the
-body's bottom face at their anchors, tilted so that the feet lie behind them for tilt > 0. The two
-equal legs of [legs] touch the plate `contact_spacing` apart, symmetric about the middle, at any
-tilt (docs/physics.md section 1). Legs of [[legs]] are at their given places. Defaults are the
-paper's object.
+Geometry in the x-y plane with the middle of the body at the origin, y up; all legs leave the body's bottom face at
+their anchors, tilted so that the feet lie behind them for tilt > 0. The two equal legs of [legs] touch the plate
+`contact_spacing` apart, symmetric about the middle, at any tilt (docs/physics.md section 1). Legs of [[legs]] are at
+their given places. Defaults are the paper's object.
 """
 
 from collections.abc import Iterable, Mapping

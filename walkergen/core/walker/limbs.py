@@ -1,9 +1,8 @@
 """Legs of a walker: their keys, and every leg resolved to numbers.
 
-There are two forms: [legs] for two equal legs, or [[legs]], a list of legs with their own tilt, thickness, position
-and material. Frame: the middle of the body at the origin, x
-along the run, y up, z across; a leg leaves the body's underside at its anchor, and its foot lies
-behind the anchor for tilt > 0.
+There are two forms: [legs] for two equal legs, or [[legs]], a list of legs with their own tilt, thickness, position and
+material. Frame: the middle of the body at the origin, x along the run, y up, z across; a leg leaves the body's
+underside at its anchor, and its foot lies behind the anchor for tilt > 0.
 """
 
 import math

@@ -282,8 +282,7 @@ def is_printed_on_side(design: Design) -> bool:
 def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
     """Orient a mesh for printing, z up from 0: on its side, or upside down with its legs up.
 
-    Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is
-    flat.
+    Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is flat.
     """
     if is_printed_on_side(design):
         return mesh

@@ -1,10 +1,9 @@
 """Weighed masses of printed walkers: weights.csv in, masses of body and leg in the design out.
 
-Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
-unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone multiply the
-masses of body and legs by one factor. The predicted speed stays, since it depends on their ratios only.
-These rows are for the printed part, with its cap. Motor, battery, wires and glue have rows of their
-own, with grams only.
+Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of unlike legs their mean;
+braced: with its brace). Two of them give the third. Grams alone multiply the masses of body and legs by one factor. The
+predicted speed stays, since it depends on their ratios only. These rows are for the printed part, with its cap. Motor,
+battery, wires and glue have rows of their own, with grams only.
 """
 
 import difflib
@@ -101,10 +100,9 @@ def _read_blank_form(path: Path) -> list[str] | None:
 def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """Read the mean mass of every walker, and of its motor and battery, by name. Copies (NAME-3) are averaged.
 
-    Names may begin with the design's name, as on plates of several designs. Walkers of the same
-    designs that are not members are left out, and `unused_parts` names them: a form is of a whole family.
-    Raises InputError when the file is no table of masses, or with every line of a wrong mass and
-    every unknown part with its near matches.
+    Names may begin with the design's name, as on plates of several designs. Walkers of the same designs that are not
+    members are left out, and `unused_parts` names them: a form is of a whole family. Raises InputError when the file is
+    no table of masses, or with every line of a wrong mass and every unknown part with its near matches.
     """
     rows = _read_rows(path)
     parts, has_other_walkers = _names_to_parts(members), False

@@ -1,14 +1,13 @@
 """Motor: a rotor with an unbalanced mass, which shakes the walker from inside; the plate is still.
 
-The rotor turns at Omega about an axis n of the body; its mass counts in the walker's, at its axis.
-The unbalanced mass leads the walker's centre of mass C away from where it would be, by s =
-(m_e r/M) (first cos(phase) + second sin(phase)), with second = n x first, in the body's axes. So
-the body swings by -s about C, as if pushed by m_e r Omega^2 s/|s| at the rotor's place p; about C
-the rotor has the angular momentum p x M s' + h n (docs/physics.md section 8).
+The rotor turns at Omega about an axis n of the body; its mass counts in the walker's, at its axis. The unbalanced mass
+leads the walker's centre of mass C away from where it would be, by s = (m_e r/M) (first cos(phase) + second
+sin(phase)), with second = n x first, in the body's axes. So the body swings by -s about C, as if pushed by m_e r
+Omega^2 s/|s| at the rotor's place p; about C the rotor has the angular momentum p x M s' + h n (docs/physics.md section
+8).
 
-What is left out is of the order of 2 m_e r |p|/J: the change of the inertia within a turn.
-Limits: without a moment there is no motor; a free walker draws a circle of radius m_e r/M. O is the
-body's centre of mass, at half depth.
+What is left out is of the order of 2 m_e r |p|/J: the change of the inertia within a turn. Limits: without a moment
+there is no motor; a free walker draws a circle of radius m_e r/M. O is the body's centre of mass, at half depth.
 """
 
 import math

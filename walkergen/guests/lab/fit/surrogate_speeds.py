@@ -49,7 +49,7 @@ def responses(inputs: FitInputs, settings: Sequence[Setting]) -> list[SurrogateS
     for setting in settings:
         scene, design = plate_scene(inputs.scene, setting), setting.design
         try:
-            known = surrogate.case_in_domain(scene, design, mass_of(design), within_goal=False)
+            known = surrogate.case_in_domain(scene, design, mass_of(design), only_certain=False)
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: no fit without simulation ({error.text}). "
