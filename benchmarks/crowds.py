@@ -19,7 +19,7 @@ import numpy as np
 from walkergen.core.dish import Dish
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import crowd, crowd_checks, lammps_input
-from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.space.placing import place_outlines
 
 LENGTH, WIDTH = 28.0, 8.0
 PACKING = 0.3
@@ -63,7 +63,7 @@ def main() -> None:
         side = math.sqrt(count * LENGTH * WIDTH / PACKING)
         dish = Dish("periodic", (side,))
         outline = tuple(np.array(contour) for contour in one.outline_mm)
-        places = place([outline] * count, dish, np.random.default_rng(1), 0.3)
+        places = place_outlines([outline] * count, dish, np.random.default_rng(1), 0.3)
         short = time_crowd(one, dish, places, SHORT_S)
         long = time_crowd(one, dish, places, LONG_S)
         cpu, wall = ((b - a) / (LONG_S - SHORT_S) for a, b in zip(short, long, strict=True))

@@ -99,7 +99,7 @@ def print_rows(server, folder, count):
     time_requests(server, "what to measure next, on wish", "shares", [{"document": each} for each in lengths])
     path, faces = large_mesh(folder)
     (answer,) = time_requests(server, f"upload, {faces} faces", "upload?kind=stl", [path.read_bytes()], "goal 400 ms")
-    body = {"body": {"mesh": json.loads(answer)["file"]}, "legs.place": "auto"}
+    body = {"body": {"mesh": json.loads(answer)["file"]}, "legs.placement": "auto"}
     mesh = [{"document": PAPER | {"values": body | {"legs.tilt_deg": tilt}}} for tilt in np.linspace(5, 15, 6).round(2)]
     time_requests(server, "its first walker", "walker", mesh[:1], "goal 400 ms, with the upload")
     time_requests(server, "further steps of it", "walker", mesh[1:], "goal 400 ms")

@@ -96,7 +96,7 @@ def summary(plan: Plan, threads: int) -> ensemble.Summary:
     compile_kernels(plan)
     started = time.perf_counter()
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs, silent, threads)
-    return ensemble.summarise(results, plan.shaken.peak_speed, time.perf_counter() - started)
+    return ensemble.summarise(results, plan.equivalent_drive.peak_speed, time.perf_counter() - started)
 
 
 def cost(plan: Plan, threads: int = 1) -> Cost:

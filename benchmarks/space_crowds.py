@@ -21,7 +21,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd.space import run
-from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.space.placing import place_outlines
 from walkergen.readers.walkers import top_outline
 
 DISCARDED_S = 0.5
@@ -43,7 +43,7 @@ def main() -> None:
     for count in arguments.counts:
         diameter = round(math.sqrt(4.0 * count * area / math.pi / arguments.packing), 1)
         dish = Dish("disc", (diameter,))
-        places = place([outline] * count, dish, np.random.default_rng(1), 0.2)
+        places = place_outlines([outline] * count, dish, np.random.default_rng(1), 0.2)
         each = cost(own, places, dish, arguments.seconds)
         plane = f"{1e3 * flat_cost(outline, places, dish):.1f}" if lammps() else "-"
         line = f"{1e3 * each:12.1f} {each / alone:15.2f} {plane:>11}"

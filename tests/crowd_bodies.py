@@ -7,7 +7,7 @@ import numpy as np
 from walkergen.commands.selftest.scenes import STILL_DRIVE
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.slope import Gravity
-from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.pose import update_pose
 from walkergen.core.simulation.space.state import C_X, C_Y, C_Z, V_X, V_Z, W_X, work_for
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -42,7 +42,7 @@ class Pair:
             state[V_X], state[V_Z] = velocity
             level(state, at[2])
             work = work_for(world.walker, state)
-            place(world, state, work)
+            update_pose(world, state, work)
             state[W_X : W_X + 3] = work.R.T @ (0.0, spin, 0.0)
         self.crowd, self.walkers = run.make_crowd(self.plan, self.walkers)
 
@@ -66,7 +66,7 @@ class Pair:
         total = np.zeros(6)
         for world, state in self.walkers:
             work = work_for(world.walker, state.copy())
-            place(world, state, work)
+            update_pose(world, state, work)
             p = world.walker.mass * state[V_X : V_X + 3]
             own = work.R @ world.walker.inertia @ state[W_X : W_X + 3]
             total += np.concatenate([p, own + np.cross(state[C_X : C_X + 3], p)])

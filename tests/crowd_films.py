@@ -16,7 +16,7 @@ def make_film(places, dish, outline=BOX, interval=0.1):
     times = interval * np.arange(len(places))
     outlines = {} if outline is None else {"walker": (outline,)}
     kinds = ["walker"] * np.shape(places)[1]
-    return film.from_places(times, np.asarray(places, float), kinds, outlines, dishes.parse_dish(dish))
+    return film.from_positions(times, np.asarray(places, float), kinds, outlines, dishes.parse_dish(dish))
 
 
 def gas(dish, walkers, frames, seed, outline=BOX):

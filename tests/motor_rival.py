@@ -13,7 +13,7 @@ from evidence.validate import mujoco_walker
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.pose import update_pose
 from walkergen.core.simulation.space.state import HEIGHT, SHOWN_X, SHOWN_Y, work_for
 from walkergen.core.simulation.world import OK
 from walkergen.core.walker import solids
@@ -58,7 +58,7 @@ def rival(plan, radius, friction=0.0, step=4e-6):
     walker, mass = plan.world.walker, plan.case.mass
     plan, m = concentrate_rotor(plan, radius)
     rotor = plan.world.acting.motor
-    at, axis = np.array(rotor.place), np.cross(rotor.first, rotor.second)
+    at, axis = np.array(rotor.position), np.cross(rotor.first, rotor.second)
     spring = (float(walker.stiffness[0]), float(walker.damping[0]))
     text = mujoco_walker.walker_mjcf(plan.case.design, mass, spring, friction, step)
     # The body without the mass at its place: O is its centre with it
@@ -95,7 +95,7 @@ def fly_there(plan, radius, seconds, phase, step=2e-6):
     """The same by the rival: place of O and quaternion (7 numbers), and the angles of its legs."""
     start = plan.initial_state(500.0, 0.0, phase)
     work = work_for(plan.world.walker, start)
-    place(plan.world, start, work)
+    update_pose(plan.world, start, work)
     model = rival(plan, radius, step=step)
     data, turn = mujoco.MjData(model), model.joint("turn")
     data.qpos[:3] = start[SHOWN_X], start[HEIGHT], -start[SHOWN_Y]
@@ -131,7 +131,7 @@ def speeds_there(plan, radius, seconds, seeds, step=4e-6):
         data.qpos[turn.qposadr[0]] = phase
         data.qvel[turn.dofadr[0]] = data.ctrl[0] = rotor.omega
         mujoco.mj_forward(model, data)
-        data.qpos[1] = plan.shaken.amplitude - data.site_xpos[:, 1].min()
+        data.qpos[1] = plan.equivalent_drive.amplitude - data.site_xpos[:, 1].min()
         places = []
         for _ in range(round((seconds + 0.5) / (4 * period))):
             mujoco.mj_step(model, data, 4 * count)

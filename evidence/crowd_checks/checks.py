@@ -69,7 +69,7 @@ def simulate_alone_in_plane(size: Size, card: Card) -> Cases:
         card, Dish("periodic", (ALONE_PER_SIDE * apart,)), [start], seconds, RATE_HZ, size.seed
     )
     kept = run.poses[run.times >= DISCARDED_S - 1e-9]
-    own = tracks.from_places([kept[:, i] for i in range(ALONE_PER_SIDE**2)], 1.0 / RATE_HZ, lane=False)
+    own = tracks.from_positions([kept[:, i] for i in range(ALONE_PER_SIDE**2)], 1.0 / RATE_HZ, lane=False)
     return motion_quantities(walker_motion.measure_tracks(own, True, ()))
 
 

@@ -15,10 +15,10 @@ from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.cards.card import Card
-from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.space.placing import place_outlines
 from walkergen.guests.crowd.statistics import CrowdFilm, measure, pairs
 from walkergen.guests.crowd.statistics.displacements import speeds
-from walkergen.guests.crowd.statistics.film import from_places
+from walkergen.guests.crowd.statistics.film import from_positions
 from walkergen.guests.crowd.statistics.summary import UNITS
 from walkergen.readers.walkers import top_outline
 
@@ -78,7 +78,7 @@ def start_places(size: Size, card: Card, packing: float, number: int) -> Array:
     dish, outline = dishes.parse_dish(DISH, "DISH"), _outline_arrays(card)
     count = round(packing * dish.area / top_outline.area_of(outline))
     rng = np.random.default_rng(np.random.SeedSequence([size.seed, number, count], spawn_key=(1,)))
-    return place([outline] * count, dish, rng, CLEARANCE_MM)
+    return place_outlines([outline] * count, dish, rng, CLEARANCE_MM)
 
 
 def measure_films(films: Sequence[CrowdFilm], length: float) -> Crowd:
@@ -98,7 +98,7 @@ def make_film(size: Size, card: Card, run: Run) -> CrowdFilm:
     kept = run.times >= size.crowd_discard_seconds - 1e-9
     times, count = run.times[kept] - run.times[kept][0], run.poses.shape[1]
     dish = dishes.parse_dish(DISH, "DISH")
-    return from_places(times, run.poses[kept], [card.name] * count, {card.name: _outline_arrays(card)}, dish)
+    return from_positions(times, run.poses[kept], [card.name] * count, {card.name: _outline_arrays(card)}, dish)
 
 
 def _outline_arrays(card: Card) -> tuple[Array, ...]:

@@ -72,6 +72,6 @@ def _compare_mechanism(what: str, design: Design, point: Point) -> Mechanism:
     contact, values = assumption.scene.contact, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED)
     foot_speeds = stationary(design, mass, contact.restitution, contact.friction)
     drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain_inputs.label_columns(inputs, values))
-    used = "mean of both feet" if design.alike else "balance of both feet"
+    used = "mean of both feet" if design.is_symmetric_pair else "balance of both feet"
     speed = float(foot_speeds.factor) * impact_speed(assumption.scene, mass)
     return Mechanism(what, design, Quantity("theory", "mm_s", speed, float(drawn.std())), used, point)

@@ -16,7 +16,7 @@ from walkergen.core.numerics import Array
 from walkergen.core.scene import Feet, Prediction, Scene
 from walkergen.core.theory import dimensionless, prediction, uncertain_inputs
 from walkergen.core.theory.prediction import PRINT_INPUT
-from walkergen.core.theory.surrogate import Known
+from walkergen.core.theory.surrogate import SurrogateCase
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
@@ -55,7 +55,7 @@ def sample_speeds() -> tuple[Array, Array]:
         drawn = uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAWS, SEED))
         unevenness = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
         prints = drawn._replace(columns={**drawn.columns, PRINT_INPUT.name: unevenness})
-        known = Known(design, scene, dimensionless.compute_place(scene, design, solids.mass_of(design)))
+        known = SurrogateCase(design, scene, dimensionless.compute_numbers(scene, design, solids.mass_of(design)))
         rows.append(prediction.sample_speeds(known, prints))
     return drawn.columns["feet.tip_radius_um"], np.array(rows).T
 

@@ -20,7 +20,7 @@ from evidence.tables.scatter import fit_scatter
 from walkergen.core.files import output
 from walkergen.core.theory import dimensionless as places
 from walkergen.core.theory import networks
-from walkergen.core.theory.dimensionless import Place
+from walkergen.core.theory.dimensionless import DimensionlessNumbers
 from walkergen.core.theory.networks import LINEAR_BELOW, Layer
 from walkergen.core.theory.surrogate import MAX_FALL_CHANCE, NORMAL_95, allowed_error
 from walkergen.core.walker import solids
@@ -128,7 +128,7 @@ def load_rows(kind: Kind) -> Rows:
         if row["braced"] != (kind == "braced"):
             continue
         case = settings.make_case(row)
-        place = places.compute_place(case.scene, case.design, solids.mass_of(case.design))
+        place = places.compute_numbers(case.scene, case.design, solids.mass_of(case.design))
         numbers = [row[name] for name in ("speed_mm_s", "se_mm_s", "runs", "toppled", "held_out")]
         speed, se, runs, toppled, held_out = (math.nan if value is None else value for value in numbers)
         parts.append((place, case.scene.drive.peak_speed, speed, se, runs, toppled / max(runs, 1.0), held_out))
@@ -209,7 +209,7 @@ def train_kind(
     values, se = every.transformed
     good = np.isfinite(values) & (se < MAX_ROW_SE) & ~(every.falls > 0.0)
     chosen = np.flatnonzero(learnt & good)
-    terms, uneven = networks.features(inputs), every.places[:, Place._fields.index("unevenness_ratio")]
+    terms, uneven = networks.features(inputs), every.places[:, DimensionlessNumbers._fields.index("unevenness_ratio")]
     scatter = fit_scatter(terms[chosen], uneven[chosen], se[chosen], every.runs[chosen])
     weights = 1.0 / (scatter.run_sd(terms, uneven)[chosen] ** 2 / every.runs[chosen] + NETWORK_ERROR**2)
     tenth = np.random.default_rng(NETWORKS).permutation(len(chosen)) % NETWORKS
@@ -234,7 +234,7 @@ def train_kind(
     off = _speeds_left_out(arrays, kind, inputs[chosen], factors[chosen], left_out) - values[chosen]
     arrays |= _train_errors(kind, inputs[chosen], factors[chosen], off, se[chosen], pool)
     low, high = every.places[learnt].min(axis=0), every.places[learnt].max(axis=0)
-    ranges = {name: [float(a), float(b)] for name, a, b in zip(Place._fields, low, high, strict=True)}
+    ranges = {name: [float(a), float(b)] for name, a, b in zip(DimensionlessNumbers._fields, low, high, strict=True)}
     steepest = max(-ranges["slope_ratio"][0], ranges["slope_ratio"][1])  # mirror images, and upright ones between
     ranges |= {"slope_ratio": [-steepest, steepest], "root_tilt": [0.0, ranges["root_tilt"][1]]}
     # Upright walkers on a level plate have no speed by symmetry: nothing to test

@@ -59,7 +59,7 @@ def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
 def test_walls_may_be_told():
     told = walls.find_walls(BOX, Dish("rectangle", (170.0, 170.0)))
     assert told.closest == pytest.approx(10.0, abs=0.5)  # a walker is no point
-    assert "of ‹arena=›rectangle:170x170" in told.said
+    assert "of ‹arena=›rectangle:170x170" in told.description
     assert walls.find_walls(BOX, OPEN_GROUND) is None
 
 

@@ -74,8 +74,8 @@ def taken(doors, chosen, what):
 
 def made(folder, doors, lines):
     """Files that lines for a shell make in a folder, from files that were dropped, by name."""
-    if doors.server.place.uploads.exists():
-        shutil.copytree(doors.server.place.uploads, folder / "out" / "app" / "uploads")
+    if doors.server.page_files.uploads.exists():
+        shutil.copytree(doors.server.page_files.uploads, folder / "out" / "app" / "uploads")
     for line in lines:
         first, *words = shlex.split(line)
         assert first == "walkergen"
@@ -158,7 +158,7 @@ def test_lines_of_python_make_the_same_part_and_speed(doors, tmp_path, chosen):
 def test_numbers_equal_those_of_predict(doors, tmp_path, chosen):
     facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
     shares = doors.ask("shares", {"document": chosen}).json["shares"]
-    words = documents.arguments(documents.from_message(chosen, doors.server.place), "predict")
+    words = documents.arguments(documents.from_message(chosen, doors.server.page_files), "predict")
     (row,) = json.loads(command(tmp_path, [*words, "--uncertain", "--json"]))["rows"]
     first = {sentences.format_name(share["name"]): max(share["first"], 0.0) for share in row["shares"]}
     assert {share["name"]: share["part"] for share in shares if share["name"] in first} == first
@@ -174,7 +174,7 @@ def test_a_walker_that_only_runs_know_has_the_number_of_predict(doors, tmp_path)
     events = doors.ask("run", {"document": chosen, "short": True}, leave_s=300.0).events
     assert [event for event in events if event.keys() != {"progress"}] == [{"predicted": True}]
     facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
-    words = documents.arguments(documents.from_message(chosen, doors.server.place), "predict", "--json")
+    words = documents.arguments(documents.from_message(chosen, doors.server.page_files), "predict", "--json")
     (row,) = json.loads(command(tmp_path, words))["rows"]
     assert facts["sentence"]["sure"]
     assert {key: row[key] for key in facts["row"]} == facts["row"]
@@ -185,7 +185,7 @@ def test_numbers_of_a_run_equal_those_of_simulate(doors, tmp_path):
     *before, event = doors.ask("run", {"document": CHANGED}).events
     shares = [each["progress"][1] for each in before if "progress" in each]
     assert shares == sorted(shares)  # one bar, whose parts follow one another
-    words = documents.arguments(documents.from_message(CHANGED, doors.server.place), "simulate", "--json")
+    words = documents.arguments(documents.from_message(CHANGED, doors.server.page_files), "simulate", "--json")
     clocks = {"wall_s": 0.0, "cpu_s": 0.0}
     printed = json.loads(command(tmp_path, words))
     assert event["facts"] | clocks == printed | clocks

@@ -26,7 +26,7 @@ def test_a_dropped_file_becomes_the_body_or_is_refused_in_words(doors, kind):
         assert kept.json["key"] in {f"body.{key}" for key in body}
         assert faults(doors.ask("walker", {"document": document(body=body)})) == []
     assert doors.ask("upload", source, query=f"kind={kind}").json["file"] in {
-        path.name for path in doors.server.place.uploads.iterdir()
+        path.name for path in doors.server.page_files.uploads.iterdir()
     }
 
 
@@ -53,19 +53,19 @@ def test_the_oldest_of_the_files_that_were_dropped_go(doors, monkeypatch):
     names = []
     for number in range(4):
         names.append(doors.ask("upload", bytes([number]) * 1000, query="kind=stl").json["file"])
-        path = doors.server.place.uploads / names[-1]
+        path = doors.server.page_files.uploads / names[-1]
         os.utime(path, (number, number) if number < 3 else None)
-    assert {path.name for path in doors.server.place.uploads.glob("*.stl")} == set(names[2:])
+    assert {path.name for path in doors.server.page_files.uploads.glob("*.stl")} == set(names[2:])
 
 
 def test_a_dropped_file_that_somebody_changed_is_left_alone(doors):
     data = hostile_inputs.SOLIDS["b.stl"]
     name = doors.ask("upload", data, query="kind=stl").json["file"]
-    (doors.server.place.uploads / name).write_bytes(b"mine")
+    (doors.server.page_files.uploads / name).write_bytes(b"mine")
     answer = doors.ask("upload", data, query="kind=stl")
     assert (answer.status, faults(answer)) == (422, [])
     assert "left alone" in answer.refused
-    assert (doors.server.place.uploads / name).read_bytes() == b"mine"
+    assert (doors.server.page_files.uploads / name).read_bytes() == b"mine"
 
 
 def test_all_that_pages_write_lies_in_one_folder(doors, tmp_path):

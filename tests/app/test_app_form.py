@@ -110,7 +110,7 @@ def test_what_helps_is_data_and_helps(tmp_path, mesh, words):
     values = dict(TOO_LONG)
     if mesh is not None:
         mesh.export(tmp_path / "own.stl")
-        values = {"body": {"mesh": str(tmp_path / "own.stl")}, "legs.place": "auto"}
+        values = {"body": {"mesh": str(tmp_path / "own.stl")}, "legs.placement": "auto"}
     with pytest.raises(WalkergenError) as error:
         document(**values).load_design()
     elsewhere = pickle.loads(pickle.dumps(error.value.resolve_remedies()))

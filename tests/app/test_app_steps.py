@@ -46,7 +46,7 @@ def test_a_step_reads_no_file_of_a_template_again(monkeypatch, key):
 
 def test_a_finding_is_done_by_the_value_that_it_comes_with():
     page = Document(**PAPER | {"walker": "coinbot", "printer": "ender3"})
-    page = page._replace(values={"legs.flexible_thickness_mm": 0.2} if page.load_design().pair else {})
+    page = page._replace(values={"legs.flexible_thickness_mm": 0.2} if page.load_design().has_legs_table else {})
     does = [finding["does"] for finding in walker_answers.printing_outlook(page)["findings"] if finding["does"]]
     assert does
     done = page._replace(values={**page.values, **{each["key"]: each["value"] for each in does}})

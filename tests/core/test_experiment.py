@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from walkergen.core.measure import FIRST_RUNS, MAX_RUNS, Budget, Error, Runs, measure
+from walkergen.core.measure import FIRST_RUNS, MAX_RUNS, Budget, Runs, UntilError, measure
 from walkergen.core.numerics.quantity import mean
 from walkergen.core.scene import GRAVITY
 from walkergen.core.simulation import batch
@@ -63,7 +63,7 @@ def test_threads_change_no_bit_and_first_runs_of_many_are_few():
 
 @pytest.mark.parametrize(("wanted", "halved"), [("5%", False), ("0.2%", True)])
 def test_runs_are_added_and_steps_halved_until_an_error_is_met(wanted, halved):
-    error = Error(parse_tolerance(wanted), "fall_s")
+    error = UntilError(parse_tolerance(wanted), "fall_s")
     measured = measure(Ball(sd_mm=10.0), error)
     quantity = measured.quantities["fall_s"]
     assert quantity.half_width() <= error.max_error(quantity.value)
@@ -72,15 +72,15 @@ def test_runs_are_added_and_steps_halved_until_an_error_is_met(wanted, halved):
 
 
 def test_an_error_out_of_reach_ends():
-    assert measure(Ball(), Error(parse_tolerance("0.01%"), "fall_s")).experiment.step_s < 3e-4
-    assert measure(Ball(sd_mm=300.0, step_s=2e-3), Error(parse_tolerance("0.6%"), "fall_s")).runs == MAX_RUNS
-    alike = measure(Ball(sd_mm=0.0), Error(parse_tolerance("5%"), "fall_s"))
+    assert measure(Ball(), UntilError(parse_tolerance("0.01%"), "fall_s")).experiment.step_s < 3e-4
+    assert measure(Ball(sd_mm=300.0, step_s=2e-3), UntilError(parse_tolerance("0.6%"), "fall_s")).runs == MAX_RUNS
+    alike = measure(Ball(sd_mm=0.0), UntilError(parse_tolerance("5%"), "fall_s"))
     assert alike.runs == FIRST_RUNS
 
 
 @pytest.mark.parametrize("wanted", ["1.5%", "0.8%"])
 def test_few_more_runs_are_made_than_an_error_needs(wanted):
-    error, more = Error(parse_tolerance(wanted), "fall_s"), []
+    error, more = UntilError(parse_tolerance(wanted), "fall_s"), []
     for seed in range(12):
         measured = measure(Ball(sd_mm=100.0, seed=seed), error, threads=1)
         own, runs = measured.experiment, measured.records
@@ -102,16 +102,16 @@ def test_steps_that_cannot_do_are_passed_over():
             made.append(self.step_s)
             return self.fall
 
-    measure(Counted(), Error(parse_tolerance("0.2%"), "fall_s"))
+    measure(Counted(), UntilError(parse_tolerance("0.2%"), "fall_s"))
     assert made == [1e-3, 5e-4]
-    measure(Counted(step_s=8e-3), Error(parse_tolerance("0.4%"), "fall_s"))
+    measure(Counted(step_s=8e-3), UntilError(parse_tolerance("0.4%"), "fall_s"))
     assert made[2:] == [8e-3, 1e-3]
 
 
 def test_a_share_of_less_than_the_floor_counts_of_the_floor():
-    five = Error(parse_tolerance("5%"), "fall_s", floor=2.0)
+    five = UntilError(parse_tolerance("5%"), "fall_s", floor=2.0)
     assert (five.max_error(1.0), five.max_error(None), five.max_error(-4.0)) == (0.1, 0.1, 0.2)
-    assert Error(parse_tolerance("3 mm/s"), "speed_mm_s", floor=9.0).max_error(500.0) == 3.0
+    assert UntilError(parse_tolerance("3 mm/s"), "speed_mm_s", floor=9.0).max_error(500.0) == 3.0
 
 
 def test_a_budget_of_time_makes_as_many_runs_as_it_pays():

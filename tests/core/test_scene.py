@@ -118,7 +118,7 @@ def test_a_friction_of_0_is_exact_and_one_beyond_1000_is_refused():
     [
         ({"effects.off": ["drag"]}, "effects.off[1] = 'drag': must be one of 'air_drag', "),
         ({"effects.on": ["air_drag"], "effects.off": ["air_drag"]}, "air_drag: in effects.on and in effects.off"),
-        ({"effects.air_drag": True}, 'this key is gone: write effects.off = ["air_drag"] for false'),
+        ({"effects.air_drag": True}, 'this key was removed. Write effects.off = ["air_drag"] for false'),
     ],
 )
 def test_effects_are_forced_by_their_names(keys, told):

@@ -12,7 +12,7 @@ from evidence.crowds_published.published import FINDINGS
 from walkergen.core.dish import parse_dish
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.walker import solids
-from walkergen.guests.crowd.statistics.film import NO_OUTLINES, from_places
+from walkergen.guests.crowd.statistics.film import NO_OUTLINES, from_positions
 from walkergen.readers.walkers import top_outline
 
 SIZE = cases.Size(3, 0.5, 0.2, 1)
@@ -23,7 +23,7 @@ def crowd(place, heading, dish="disc:200", interval=0.02):
     poses = np.zeros((*place.shape, 6))
     poses[..., 0], poses[..., 1], poses[..., 2] = place.real, place.imag, heading
     times = np.arange(len(place)) * interval
-    return from_places(times, poses, ("walker",) * place.shape[1], NO_OUTLINES, parse_dish(dish))
+    return from_positions(times, poses, ("walker",) * place.shape[1], NO_OUTLINES, parse_dish(dish))
 
 
 def turning(count=5, rate=0.3, radius=40.0, own=0.0):

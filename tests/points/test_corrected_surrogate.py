@@ -43,7 +43,7 @@ def runs_of(*values):
 def test_surrogate_and_runs_count_by_their_errors_and_disagree_beyond_them():
     """Runs without scatter have MIN_RUN_ERROR; errors of a weighted mean add as their inverse squares."""
     _, known = uncertain_case()
-    alone = known.speeds_at(known.place)
+    alone = known.speeds_at(known.numbers)
     speed = known.peak_speed * float(alone.speed_ratios(0.5 * alone.error[0])[0])
     found = corrected_surrogate.combine(known, runs_of(*[speed] * 6))
     part = alone.error[0] ** 2 / (alone.error[0] ** 2 + corrected_surrogate.MIN_RUN_ERROR**2)

@@ -135,7 +135,7 @@ def walker_on(scene):
     for design in [PAPER, *(load("walkers", name) for name in WALKERS)]:
         case = Case(scene, design, solids.mass_of(design))
         try:
-            return case, [rule.judge(case) for rule in active_effects.all_rules()]
+            return case, [rule.decide(case) for rule in active_effects.all_rules()]
         except InputError as refused:
             assert_one_line(refused)
     raise AssertionError(f"no walker runs on {scene.name}")
@@ -156,22 +156,22 @@ CASES = [
     Case(load("scenes", scene), design, solids.mass_of(design))
     for scene, design in (("plane-90hz", PAPER), ("table-motor", load("walkers", "coinbot")))
 ]
-EFFECTS = {rule.judge(CASES[0]).name: rule for rule in active_effects.all_rules()}
+EFFECTS = {rule.decide(CASES[0]).name: rule for rule in active_effects.all_rules()}
 
 
-def judge(rule, values):
+def decide(rule, values):
     """Return the effect where a scene has other values of keys, on a walker with a motor where one is needed."""
     plain, driven = (case._replace(scene=replace_without_validation(case.scene, values)) for case in CASES)
     try:
-        return rule.judge(plain)
+        return rule.decide(plain)
     except InputError as refused:
         assert_one_line(refused)
-        return rule.judge(driven)
+        return rule.decide(driven)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_an_effect_is_named_in_the_physics_and_its_number_is_finite(name):
-    effect = judge(EFFECTS[name], {})
+    effect = decide(EFFECTS[name], {})
     assert math.isfinite(effect.number)
     assert effect.meaning and effect.reason  # noqa: PT018
     assert re.search(rf"\b{re.escape(name)}\b", PHYSICS)
@@ -180,14 +180,14 @@ def test_an_effect_is_named_in_the_physics_and_its_number_is_finite(name):
 @pytest.mark.parametrize("name", [name for name, rule in EFFECTS.items() if rule.off])
 def test_an_effect_is_switched_off_and_is_on_at_its_usual_size(name):
     rule = EFFECTS[name]
-    assert not judge(rule, rule.off).on
-    if rule.usual:
-        effect = judge(rule, {f"effects.{rule.switch}": None, **rule.usual})
+    assert not decide(rule, rule.off).on
+    if rule.typical_values:
+        effect = decide(rule, {f"effects.{rule.switch}": None, **rule.typical_values})
         assert effect.on
         assert math.isfinite(effect.number)
     if rule.switch and "." not in rule.switch:
-        assert not judge(rule, {**rule.usual, f"effects.{rule.switch}": False}).on
-    for values in (rule.off, rule.usual):
+        assert not decide(rule, {**rule.typical_values, f"effects.{rule.switch}": False}).on
+    for values in (rule.off, rule.typical_values):
         scene = replace_without_validation(CASES[0].scene, values)
         assert Scene.model_validate(scene.model_dump(exclude_unset=True)) == scene
 

@@ -204,14 +204,14 @@ def test_a_long_body_has_more_rows_and_reports_its_lean():
 def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
     path = str(svg(tmp_path, DRAWN_PATHS["heart"]))
     heart = PAPER.variant(**{"body.outline": path})
-    assert heart.placed
+    assert heart.has_automatic_legs
     assert heart.name == "own-shape"
     assert heart.size == load_shape(tmp_path / "own shape.svg").size
     wide = PAPER.variant(**{"body.outline": path, "legs.width_mm": 5.0, "body.length_mm": 40.0, "name": "mine"})
-    assert (wide.placed, wide.name) == (False, "mine")
+    assert (wide.has_automatic_legs, wide.name) == (False, "mine")
     assert wide.size.length == pytest.approx(40.0)
     brush = templates.load("bristle", "walkers", Design).variant(**{"body.outline": path})
-    assert brush.placed
+    assert brush.has_automatic_legs
     assert brush.legs.length_mm == 5.0
 
 
@@ -219,7 +219,7 @@ def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
 def test_given_numbers_replace_derived_ones(tmp_path, shape):
     found = load_shape(svg(tmp_path, DRAWN_PATHS[shape]))
     numbers = found.with_numbered_legs()
-    assert not numbers.placed
+    assert not numbers.has_automatic_legs
     for mine, theirs in zip(numbers.limbs, found.limbs, strict=True):
         assert (mine.along, mine.across, mine.width) == pytest.approx((theirs.along, theirs.across, theirs.width))
     assert isinstance(numbers.legs, list) == (shape == "heart")
@@ -231,7 +231,7 @@ def test_cad_files_are_refused_with_the_way_to_save_a_mesh(tmp_path):
 
 
 def test_python_loads_a_drawing(tmp_path):
-    assert wg.load(svg(tmp_path, DRAWN_PATHS["fish"])).placed
+    assert wg.load(svg(tmp_path, DRAWN_PATHS["fish"])).has_automatic_legs
 
 
 def test_a_text_is_confirmed_once(monkeypatch):

@@ -448,7 +448,7 @@ def test_holes_that_touch_are_filled_each(dropped, turned):
 def test_bodies_that_are_not_united_weigh_the_same(tmp_path):
     """A page shows a body and its legs side by side: masses and enclosed volumes are the walker's."""
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
-    design = Design.model_validate({"body": {"mesh": str(path), "length_mm": 40.0}, "legs": {"place": "auto"}})
+    design = Design.model_validate({"body": {"mesh": str(path), "length_mm": 40.0}, "legs": {"placement": "auto"}})
     united, beside = (solids.build(design, united=united) for united in (True, False))
     for one, other in zip(solids.weigh(design, united)[:2], solids.mass_of(design)[:2], strict=True):
         assert one == other

@@ -132,7 +132,7 @@ def test_a_drawing_is_a_walker_with_automatic_legs(tmp_path, shape):
 
 def test_symmetric_bodies_have_equal_legs(tmp_path):
     design = templates.load(svg(tmp_path, DRAWN_PATHS["bell"]), "walkers", Design)
-    assert design.alike
+    assert design.is_symmetric_pair
 
 
 def test_a_mesh_stands_on_its_rounded_side(tmp_path):
@@ -151,5 +151,5 @@ def test_written_places_are_kept(tmp_path):
     design = templates.load(svg(tmp_path, DRAWN_PATHS["disc"]), "walkers", Design)
     written = design.variant(**{"legs.contact_spacing_mm": 11.0, "legs.width_mm": 6.0})
     assert [(limb.along, limb.width) for limb in written.limbs] == [(-5.5, 6.0), (5.5, 6.0)]
-    again = written.variant(**{"legs.place": "auto"})
+    again = written.variant(**{"legs.placement": "auto"})
     assert again.limbs == design.limbs

@@ -108,7 +108,7 @@ class Frame(NamedTuple):
     lane: bool
     headed: bool
     """True if headings are known."""
-    own_s: float
+    detrend_time_s: float
     """Time of the measurement of the mean turning, or in a lane the mean speed, that is subtracted from
     each walker, s; infinite without a subtraction."""
     memory: bool
@@ -238,7 +238,9 @@ def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window:
     def model(lags: Array, amplitude: float, rate: float, turn: float) -> Complex:
         """Return the correlation at these lags (s) of a walk whose directions turn without memory."""
         # Less the mean turning over a time T, diffusion is smaller by the share lag / T (a Brownian bridge).
-        return persistent_walk.velocity_correlation(lags * (1.0 - lags / frame.own_s), amplitude, rate, turn, window)
+        return persistent_walk.velocity_correlation(
+            lags * (1.0 - lags / frame.detrend_time_s), amplitude, rate, turn, window
+        )
 
     def with_memory(lags: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
         """Return the correlation at these lags (s) if rates of turning last for a time `memory` (s)."""
@@ -332,7 +334,7 @@ def _fit_dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> N
     speed = numbers["lane_speed"]
     if use.sum() < 4:
         return
-    spread = values[use] / (1.0 - lag[use] / frame.own_s)
+    spread = values[use] / (1.0 - lag[use] / frame.detrend_time_s)
     # The error of a variance grows with the variance itself: weights 1/lag.
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     numbers["diffusivity"] = 0.5 * float(slope)

@@ -79,7 +79,7 @@ class Motion(NamedTuple):
     correlation: Curve
     """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
     headings: of displacements, mm^2)."""
-    own_s: float
+    detrend_time_s: float
     """Time of the measurement of that mean turning, s; infinite if none is subtracted."""
     parallel: Curve
     """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
@@ -237,7 +237,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         lag_s=grid.step * tracks.interval,
         method=_describe_method(frame, in_pieces, comparison, len(parts), length * tracks.interval),
         doubts=[
-            *([found_walls.said] if found_walls else []),
+            *([found_walls.description] if found_walls else []),
             *_misfit_doubts(fit),
             *_scatter_doubts(estimates, descent),
         ],
@@ -245,7 +245,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
-        own_s=own_s,
+        detrend_time_s=own_s,
         parallel=_density_curve(grid.bins[0], [sample.density_along for sample in all_sums]),
         orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in all_sums]),
         walkers=means_of_walkers,

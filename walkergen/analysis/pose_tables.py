@@ -100,7 +100,7 @@ def from_bodies(
     walkers = [pose if all_have_headings else pose[:2] for pose, _ in poses]
     long = track_columns.to_long_table(table, clock, times, walkers, range(len(walkers)))
     all_notes = (poses[0][1], *notes, *track_columns.format_labels([person for person in bodies if person]))
-    return Source(long, named, program, y_down=True, said=all_notes)
+    return Source(long, named, program, y_down=True, notes=all_notes)
 
 
 def read_sleap(path: Path, names: list[str]) -> Source:
@@ -124,7 +124,7 @@ def read_sleap(path: Path, names: list[str]) -> Source:
     values |= {"theta": theta[0]} if theta else {}
     seen = np.isfinite(x)
     table = Columns({name: column[seen] for name, column in values.items()}, table.lines[seen], table.bad)
-    return Source(table, PIXEL_COLUMNS, "SLEAP", y_down=True, said=(note, *track_columns.format_labels(labels)))
+    return Source(table, PIXEL_COLUMNS, "SLEAP", y_down=True, notes=(note, *track_columns.format_labels(labels)))
 
 
 def check_table_kind(path: Path, headers: Sequence[str]) -> None:

@@ -254,7 +254,7 @@ def _from_parts(
     if not parts:
         walkers = list(zip(x[:, 0], y[:, 0], strict=True))
         long = track_columns.to_long_table(table, clock, ticks, walkers, range(len(x)))
-        return Source(long, named, program, y_down=True, said=track_columns.format_labels(individuals))
+        return Source(long, named, program, y_down=True, notes=track_columns.format_labels(individuals))
     bodies = {
         individual: {part: pose_tables.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
         for n, individual in enumerate(individuals or map(str, range(len(x))))

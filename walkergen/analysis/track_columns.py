@@ -139,7 +139,7 @@ class Source(NamedTuple):
     """True if that program counts y downward, as rows of a picture."""
     mirrored: bool = False
     """True if it counts headings counterclockwise, as people see them, though y goes down."""
-    said: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     """Notes on how the file was read, as text."""
 
 

@@ -98,7 +98,7 @@ def read_tracks(path: Path, units: Units) -> Tracks:
     error = units.mm_per_px_se
     share = None if error is None or units.mm_per_px is None else error / units.mm_per_px
     program = (f"taken for a file of {source.program}",) if source.program else ()
-    lines = [tracks.note, *program, *source.said, lengths, *notes]
+    lines = [tracks.note, *program, *source.notes, lengths, *notes]
     return tracks._replace(scale_se=share if units.mm_per_px else 0.0, note="; ".join(line for line in lines if line))
 
 

@@ -243,4 +243,4 @@ def _from_pairs(
     unit = track_columns.PIXEL if has_numbers else ""
     named = {"x": NamedColumn(names[0], unit), "y": NamedColumn(names[1], unit)}
     named[clock or "frame"] = by_kind[clock] if clock else NamedColumn("row", "")
-    return Source(long, named, "idtracker.ai" if has_numbers else "", has_numbers, said=notes)
+    return Source(long, named, "idtracker.ai" if has_numbers else "", has_numbers, notes=notes)

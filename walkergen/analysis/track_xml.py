@@ -125,7 +125,7 @@ def _from_tracker(path: Path, root: ElementTree.Element) -> Source:
             rows.append((float(mark.attrib["name"].strip("[]")), float(number), x, y))
     source = _from_rows(path, rows, range(1, len(rows) + 1), {}, "Tracker", "", second)
     notes = track_columns.format_labels([track.findtext("property[@name='name']", "") for track in masses])
-    return source._replace(y_down=False, said=notes if len(masses) > 1 else ())
+    return source._replace(y_down=False, notes=notes if len(masses) > 1 else ())
 
 
 def _read_number(element: ElementTree.Element | None, name: str) -> float:

@@ -59,7 +59,7 @@ def read_tracker(path: Path, count: int) -> Source:
     called = [titles[at] for at in range(1, len(titles)) if titles[at]] if mark != " " else []
     notes = track_columns.format_labels(called) if len(called) == len(walkers) > 1 else ()
     named = {"time": NamedColumn(TIME_COLUMN, "s"), "x": NamedColumn("x", ""), "y": NamedColumn("y", "")}
-    return Source(long, named, "Tracker", said=notes)
+    return Source(long, named, "Tracker", notes=notes)
 
 
 def _csv_lines(

@@ -45,7 +45,7 @@ class Tracks(NamedTuple):
         return bool(self.tracks[0].position.shape[1] == 1)
 
 
-def from_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
+def from_positions(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
     """Build tracks of simulated walkers, numbered from 0, `interval` s between samples.
 
     Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only x counts.

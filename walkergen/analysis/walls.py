@@ -81,7 +81,7 @@ class Walls(NamedTuple):
     """Length along x and width along y of the places, mm."""
 
     @property
-    def said(self) -> str:
+    def description(self) -> str:
         """Walls, and what is measured between them, in words."""
         size = " x ".join(formatting.format_number(width, 3) for width in self.extent)
         source = f"of ‹arena=›{self.dish.words}" if self.dish else f"about {size} mm, by the hull of the tracks"

@@ -32,7 +32,7 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
     no tilt, or no other tilt can be built. It does not depend on the walker's own tilt. Raises InputError.
     """
     design, scene = document.load_design(), document.load_scene()
-    if not design.follows:
+    if not design.has_family_tilt:
         return None
     steepest = max(MAX_CURVE_TILT_DEG, abs(design.tilt_deg))
 

@@ -237,13 +237,13 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
 
 def tilt_key(design: Design) -> str | None:
     """Return the key of the tilt that a walker's legs share; None without a common tilt."""
-    return TILTS[0] if design.pair else TILTS[1] if design.follows else None
+    return TILTS[0] if design.has_legs_table else TILTS[1] if design.has_family_tilt else None
 
 
 def _family_flags(design: Design) -> list[str]:
     """Return the flags for the walker's tilt and kind of legs, as far as its legs share them."""
-    tilt = ["--tilt", format_tilt(design.tilt_deg)] if design.follows else []
-    return [*tilt, "--legs", design.kind] if design.pair else tilt
+    tilt = ["--tilt", format_tilt(design.tilt_deg)] if design.has_family_tilt else []
+    return [*tilt, "--legs", design.kind] if design.has_legs_table else tilt
 
 
 def format_value(value: Any) -> str:

@@ -266,7 +266,7 @@ def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
             "points_mm": [[-x, -z], [0.8 * x, -z], [x, 0.0], [0.8 * x, z], [-x, z]],
         },
     }
-    legs = {"legs.width_mm": round(design.limbs[0].width, 1)} if design.pair else {}
+    legs = {"legs.width_mm": round(design.limbs[0].width, 1)} if design.has_legs_table else {}
     found = {name: {"values": {"body": _round_lengths(body), **legs}} for name, body in bodies.items()}
     return found | {"letters": {"walker": TEXT_TEMPLATE, "values": {}}}
 
@@ -286,7 +286,7 @@ def legs_as_list(document: Document) -> list[dict[str, Any]]:
     A walker given as a complete mesh has none. Raises InputError for an invalid document.
     """
     design = document.load_design()
-    if design.whole:
+    if design.is_complete_mesh:
         return []
     if isinstance(design.legs, Legs):
         return [

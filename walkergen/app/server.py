@@ -126,7 +126,7 @@ def _handle_refusals(server: Server, endpoint: Endpoint) -> Any:
 async def _read_request(server: Server, request: Request) -> tuple[Document, dict[str, Any]]:
     """Return the document of a request, and its other fields. Raises InputError."""
     message = documents.parse_message(await messages.read_body(request))
-    return documents.from_message(message.pop("document", None), server.place), message
+    return documents.from_message(message.pop("document", None), server.page_files), message
 
 
 async def _send_start_data(server: Server, request: Request) -> Response:
@@ -138,11 +138,11 @@ async def _send_start_data(server: Server, request: Request) -> Response:
     return messages.json_response(
         {
             **names,
-            "walkers": server.place.walkers(),
+            "walkers": server.page_files.walkers(),
             "about": about,
             "titles": sentences.TITLES,
             "table": TABLE_SCENE,
-            "new": kept is None and not server.anew,
+            "new": kept is None and not server.rewrites,
             "document": kept or server.first._asdict(),
             "fresh": server.first._asdict(),
         }
@@ -154,17 +154,17 @@ def _load_saved(server: Server) -> Any:
     try:
         data = file_reading.read_bytes(server.folder / SAVED_DOCUMENT, MAX_SAVED_BYTES, "a JSON file")
         kept = documents.parse_message(data).get("document")
-        document = documents.from_message(kept, server.place)
+        document = documents.from_message(kept, server.page_files)
     except WalkergenError:
         return None
     same_files = document[:3] == server.first[:3] and server.first.values == START_VALUES
-    return kept if same_files or not server.anew else None
+    return kept if same_files or not server.rewrites else None
 
 
 async def _save_document(server: Server, request: Request) -> Response:
     """Save the page's document, as it was sent, for the next start of the server."""
     document = documents.parse_message(await messages.read_body(request)).get("document")
-    documents.from_message(document, server.place)
+    documents.from_message(document, server.page_files)
     kept = encode_manifest({"document": document})
     await asyncio.to_thread(output.rewrite_sealed, server.folder / SAVED_DOCUMENT, kept)
     return messages.json_response({})
@@ -277,7 +277,7 @@ async def _receive_upload(server: Server, request: Request) -> Response:
             f"{documents.SOURCE}: a file of the type {kind[:20]!r} cannot be a body. Drop an SVG or DXF drawing, "
             "a picture (PNG, JPG), or a mesh (STL, OBJ, PLY, OFF, 3MF, GLB)."
         )
-    name = await asyncio.to_thread(_store_upload, server.place.uploads, kind, data)
+    name = await asyncio.to_thread(_store_upload, server.page_files.uploads, kind, data)
     return messages.json_response(
         {"file": name, "key": "body.outline" if kind in documents.DRAWING_ENDINGS else "body.mesh"}
     )

@@ -24,7 +24,7 @@ class Server(NamedTuple):
     """Hosts, with ports, that its pages may use as its address."""
     secret: str
     """Path of its endpoints."""
-    place: PageFiles
+    page_files: PageFiles
     first: Document
     """Document of the command line, which a page starts with."""
     running: Running
@@ -32,7 +32,7 @@ class Server(NamedTuple):
     """Separate processes for walkers, so that the steps of a slider never wait."""
     workers: Workers
     """Processes for all other slow work."""
-    anew: bool = False
+    rewrites: bool = False
     """True if the command line names a document, which replaces the saved one."""
     once: str | None = None
     """Secret in the address that opens the page once, for a phone; None for this machine alone."""

@@ -125,7 +125,7 @@ def _page_key(name: str, design: Design) -> str:
     """Return the key in the page's form of an uncertain input, from its name in predictions; "" without a key."""
     table, _, key = name.partition(".")
     if table == "legs":
-        return f"legs.{design.kind}_{key}" if design.pair else ""
+        return f"legs.{design.kind}_{key}" if design.has_legs_table else ""
     return f"scene.{name}" if table in Scene.model_fields else name if key else ""
 
 

@@ -39,7 +39,7 @@ PLATE_KEYS = (*VIBRATION_KEYS[1:], "second_harmonic_ratio", "second_harmonic_pha
 MOTOR_KEYS = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
 """Keys that only one kind of drive has."""
 
-RATING_HINT = "write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 in its place"
+RATING_HINT = "Write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 instead."
 
 Component = Annotated[float, Field(ge=-1e3, le=1e3)]
 
@@ -52,9 +52,9 @@ class Drive(Section):
     a on a mass m at a frequency f, as data sheets state it, is the moment m a/(2 pi f)^2.
     """
 
-    gone: ClassVar[Mapping[str, str]] = {
+    removed_keys: ClassVar[Mapping[str, str]] = {
         **dict.fromkeys(("rated_g", "on_mass_g", "rated_hz"), RATING_HINT),
-        "reversed": "leave it out for false; for true give axis by its components, as [0, 1, 0] for across",
+        "reversed": "Leave it out for false. For true, give the components of axis: [0, 1, 0] is across.",
     }
 
     kind: Literal["plate", "motor"] = "plate"

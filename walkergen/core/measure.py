@@ -81,7 +81,7 @@ class Until(Protocol):
     """Rule that decides when there are enough runs."""
 
     @property
-    def first(self) -> int:
+    def first_runs(self) -> int:
         """Number of runs to begin with."""
 
     def further(self, measured: Measured[Any]) -> Measured[Any] | None:
@@ -91,7 +91,7 @@ class Until(Protocol):
 class Runs(NamedTuple):
     """A fixed number of runs."""
 
-    first: int
+    first_runs: int
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Return None: no further runs are made."""
@@ -99,10 +99,10 @@ class Runs(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """The runs that fit into a wall-clock time, but at least `first`."""
+    """The runs that fit into a wall-clock time, but at least `first_runs`."""
 
     seconds: float
-    first: int = FIRST_RUNS
+    first_runs: int = FIRST_RUNS
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Return the measurement with up to twice the runs requested, as time allows; None if no more fit."""
@@ -110,16 +110,16 @@ class Budget(NamedTuple):
         return None if affordable <= measured.runs else measured.with_runs(min(2 * measured.runs, affordable))
 
 
-class Error(NamedTuple):
+class UntilError(NamedTuple):
     """Rule: add runs until the error of the quantity in column `of` is at most `tolerance`, or cannot fall further."""
 
     tolerance: Tolerance
-    of: str
+    column: str
     """Column of the quantity."""
     floor: float = 0.0
     """Value that a relative error refers to if the quantity is smaller."""
-    first: int = FIRST_RUNS
-    most: int = MAX_RUNS
+    first_runs: int = FIRST_RUNS
+    max_runs: int = MAX_RUNS
 
     def max_error(self, value: float | None) -> float:
         """Return the largest allowed error of the quantity in its unit. `value` is the quantity's; None counts as 0."""
@@ -128,24 +128,24 @@ class Error(NamedTuple):
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Return the measurement with more runs requested or a finer experiment. None if met, or if neither helps."""
-        quantity = measured.quantities[self.of]
+        quantity = measured.quantities[self.column]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
             return None  # small enough, or more runs would give no smaller error
         if bias > MAX_BIAS_SHARE * allowed:
             finer = self.select_resolution(measured)
-            return None if finer is measured.experiment else Measured(finer, [], self.first, 0.0)
-        if measured.runs >= self.most:
+            return None if finer is measured.experiment else Measured(finer, [], self.first_runs, 0.0)
+        if measured.runs >= self.max_runs:
             return None
         shortfall = (error**2 - bias**2) / (allowed**2 - bias**2)
         runs = math.ceil(measured.runs * min(max(shortfall, MIN_RUN_FACTOR), MAX_RUN_FACTOR))
-        return measured.with_runs(min(self.most, runs))
+        return measured.with_runs(min(self.max_runs, runs))
 
     def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
         """Return the first finer experiment whose bias, estimated from the runs so far, is allowed; else the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
-            quantity = measured._replace(experiment=experiment).quantities[self.of]
+            quantity = measured._replace(experiment=experiment).quantities[self.column]
             if quantity.bias <= MAX_BIAS_SHARE * self.max_error(quantity.value):
                 break
             experiment = finer
@@ -165,7 +165,7 @@ def measure(
     Any number of threads gives equal bits, and the first n of more runs are n runs. Ctrl-C returns the finished runs.
     It is raised again if there are none.
     """
-    request: Measured[AnExperiment] | None = Measured(experiment, [], until.first, 0.0)
+    request: Measured[AnExperiment] | None = Measured(experiment, [], until.first_runs, 0.0)
     while request is not None:
         measured = request
         if not measured.records:

@@ -50,7 +50,7 @@ class Contact(Section):
     Numbers that are not given are those of the prior; a friction that is given as 0 is exact.
     """
 
-    gone: ClassVar[Mapping[str, str]] = {"law": "feet are elastic and have a damper; leave the key out"}
+    removed_keys: ClassVar[Mapping[str, str]] = {"law": "Feet are elastic and have a damper. Leave the key out."}
 
     prior: Literal["paper", "unknown"] = "paper"
     """Source of the numbers below that are not given: the paper's plate, or any plastic on any plate."""
@@ -109,15 +109,13 @@ PLATE_MATERIALS = {
 class Plate(Section):
     """The vibrating plate."""
 
-    gone: ClassVar[Mapping[str, str]] = {
-        "poisson_ratio": "it is the material's; material = 'glass', 'acrylic', 'aluminium' or 'steel'",
-        **dict.fromkeys(("noise_low_hz", "noise_high_hz"), "write noise_band_hz = [20, 400]"),
-        **dict.fromkeys(("along_ratio", "across_ratio"), "write horizontal_ratio = [along x, to the left]"),
-        **dict.fromkeys(("along_phase_deg", "across_phase_deg"), "write horizontal_phase_deg = [along x, to the left]"),
-        **{
-            f"{name}_toward_deg": f"write {name}_percent_per_mm = [along x, to the left]"
-            for name in ("gradient", "rocking")
-        },
+    removed_keys: ClassVar[Mapping[str, str]] = {
+        "poisson_ratio": "It follows from the material: write material = 'glass', 'acrylic', 'aluminium' or 'steel'.",
+        **dict.fromkeys(("noise_low_hz", "noise_high_hz"), "Write noise_band_hz = [20, 400]."),
+        **dict.fromkeys(("along_ratio", "across_ratio"), "Write horizontal_ratio = [along x, left]."),
+        **dict.fromkeys(("along_phase_deg", "across_phase_deg"), "Write horizontal_phase_deg = [along x, left]."),
+        "gradient_toward_deg": "Write gradient_percent_per_mm = [along x, left].",
+        "rocking_toward_deg": "Write rocking_percent_per_mm = [along x, left].",
     }
 
     material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
@@ -195,7 +193,7 @@ class Arena(Section):
 class Crowd(Section):
     """Many walkers in a dish: their number, the dish, and the contact of their bodies."""
 
-    gone: ClassVar[Mapping[str, str]] = {"touch_ms": "blows of bodies last 0.6 ms; leave the key out"}
+    removed_keys: ClassVar[Mapping[str, str]] = {"touch_ms": "A collision of bodies lasts 0.6 ms. Leave the key out."}
 
     count: Annotated[int, Field(ge=1, le=100_000)] | None = None
     """Number of walkers. None: from `packing`, or 10."""
@@ -232,9 +230,9 @@ class Crowd(Section):
 class LegModel(Section):
     """Damping of the legs in the simulation."""
 
-    gone: ClassVar[Mapping[str, str]] = {
-        "model": "every walker moves in space; leave the key out",
-        "spring": "a leg has a cantilever's stiffness, 3 E I/l; material.youngs_modulus_gpa of the design changes it",
+    removed_keys: ClassVar[Mapping[str, str]] = {
+        "model": "Every walker moves in space. Leave the key out.",
+        "spring": "A leg is as stiff as a cantilever, 3 E I/l. Set material.youngs_modulus_gpa of the design instead.",
     }
 
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
@@ -246,11 +244,10 @@ class LegModel(Section):
 class Feet(Section):
     """Elastic feet: a Hertzian tip at each point, in series with its leg's corner."""
 
-    gone: ClassVar[Mapping[str, str]] = {
-        "damping": "feet have one damper, which gives contact.restitution; leave the key out",
-        "stiffness_ratio": "a leg is as stiff as its material (material.youngs_modulus_gpa); leave the key out",
-        "local_stiffness_ratio": "the tip has a radius in place of a ratio: feet.tip_radius_um, 5 by default; "
-        "feet.rigid_tips = true for rigid tips",
+    removed_keys: ClassVar[Mapping[str, str]] = {
+        "damping": "Feet have one damper, which gives contact.restitution. Leave the key out.",
+        "stiffness_ratio": "A leg is as stiff as its material (material.youngs_modulus_gpa). Leave the key out.",
+        "local_stiffness_ratio": "Write feet.tip_radius_um (5 by default), or feet.rigid_tips = true for rigid tips.",
     }
 
     tip_radius_um: Annotated[float, Field(ge=1e-3, le=1e6)] = 5.0
@@ -283,9 +280,9 @@ def _parse_headings(value: Any) -> Any:
 class Run(Section):
     """Duration, number and step of the simulated runs."""
 
-    gone: ClassVar[Mapping[str, str]] = {
-        "method": "walkers move by steps; leave the key out",
-        "energy_tolerance": "5 % of the exchanged energy may go unaccounted for; leave the key out",
+    removed_keys: ClassVar[Mapping[str, str]] = {
+        "method": "Every simulation uses time steps. Leave the key out.",
+        "energy_tolerance": "The energy error may be 5 % of the exchanged energy. Leave the key out.",
     }
 
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
@@ -333,8 +330,8 @@ def forced_effect_line(name: str, on: bool) -> str:
 class Effects(Section):
     """Effects that are forced on or off. The scene's other keys decide on all others."""
 
-    gone: ClassVar[Mapping[str, str]] = {
-        name: f"write {forced_effect_line(name, False)} for false, {forced_effect_line(name, True)} for true"
+    removed_keys: ClassVar[Mapping[str, str]] = {
+        name: f"Write {forced_effect_line(name, False)} for false, {forced_effect_line(name, True)} for true."
         for name in get_args(EffectName)
     }
 
@@ -400,7 +397,7 @@ class Scene(Section):
     34.7
     """
 
-    gone: ClassVar[Mapping[str, str]] = {"tether": "walkers run free; leave the table out"}
+    removed_keys: ClassVar[Mapping[str, str]] = {"tether": "Walkers run free. Leave the table out."}
 
     name: Name = "scene"
     description: Annotated[str, Field(max_length=2000)] = ""

@@ -20,7 +20,7 @@ SMALL_PT, NORMAL_PT, LARGE_PT = 8.0, 9.5, 11.0
 """Sizes of fonts, points."""
 
 
-class Place(NamedTuple):
+class PixelBox(NamedTuple):
     """Rectangle of a picture, pixels from its lower left corner."""
 
     left: float

@@ -19,7 +19,7 @@ from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult
 from walkergen.core.theory import networks, prediction
 from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
-from walkergen.core.theory.surrogate import NORMAL_95, Known
+from walkergen.core.theory.surrogate import NORMAL_95, SurrogateCase
 from walkergen.core.theory.uncertain_inputs import QUANTILES
 from walkergen.points import print_ensemble
 from walkergen.points.experiments import Walker
@@ -51,8 +51,8 @@ MAX_FALL_CHANCE = 0.25
 class UntilCertain(NamedTuple):
     """Rule that adds runs until the speed as designed is as certain as the surrogate's answers."""
 
-    known: Known
-    first: int = FIRST_RUNS
+    known: SurrogateCase
+    first_runs: int = FIRST_RUNS
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
         """Return a measurement with RUN_GROWTH times as many runs; None if that is certain enough, or MAX_RUNS."""
@@ -64,7 +64,7 @@ class UntilCertain(NamedTuple):
         return measured.with_runs(min(MAX_RUNS, math.ceil(RUN_GROWTH * measured.runs)))
 
 
-def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record | None:
+def simulate(walker: Walker, known: SurrogateCase | None, progress: Progress) -> Record | None:
     """Return the record of a walker's speeds, mm/s, from the surrogate and a few runs; None if it is too unsure.
 
     `known`: the walker with the surrogate's numbers; None outside the surrogate's domain.
@@ -85,7 +85,7 @@ def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record 
     return record | {"low": speed - half_width, "high": speed + half_width} | _print_spread(known, nominal, by_step)
 
 
-def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
+def combine(known: SurrogateCase, records: Sequence[RunResult]) -> Speeds | None:
     """Return the speed as designed from surrogate and runs, weighted by their errors, on the networks' scale.
 
     Return None if too few runs ended well, or if surrogate and runs differ too much.
@@ -104,7 +104,7 @@ def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
     return prior._replace(centre=prior.centre + part * (measured - prior.centre), error=np.sqrt(part) * noise)
 
 
-def _can_correct(known: Known) -> bool:
+def _can_correct(known: SurrogateCase) -> bool:
     """Return whether runs correct the surrogate: it knows such walkers, and their speed does not depend on the time.
 
     On a plane that slopes a walker turns downhill; below 1 g some prints stand and others bounce. Runs that leave
@@ -116,13 +116,13 @@ def _can_correct(known: Known) -> bool:
     return sure and not unsteady and scene.run.accepted_error is None
 
 
-def _settling_s(known: Known) -> float:
+def _settling_s(known: SurrogateCase) -> float:
     """Return the time that a walker takes to reach its speed, s."""
     gained_s = known.peak_speed / (max(known.scene.contact.friction, 1e-9) * GRAVITY)
     return min(max(SETTLING_RATIO * gained_s, SETTLING_RANGE_S[0]), SETTLING_RANGE_S[1])
 
 
-def _print_spread(known: Known, nominal: Speeds, by_step: float) -> Record:
+def _print_spread(known: SurrogateCase, nominal: Speeds, by_step: float) -> Record:
     """Return median, scatter and bounds over prints, mm/s: the surrogate's, shifted by the correction for the design.
 
     `nominal`: corrected speed as designed. `by_step`: error by the time step (95 %), mm/s.

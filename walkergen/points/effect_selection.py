@@ -23,7 +23,7 @@ class UntilDecided(NamedTuple):
     """Rule that adds pairs of runs, with and without an effect, until it is clear whether the change is tolerable."""
 
     tolerance: Tolerance
-    first: int = FIRST_RUNS
+    first_runs: int = FIRST_RUNS
 
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
         """Compare the variant's change of speed with the allowed error of the scene's speed (95 % confidence)."""
@@ -130,7 +130,7 @@ def find_simplest(walker: Walker, progress: Progress = silent, threads: int | No
 
     until = UntilDecided(Tolerance(accepted, relative=True))
     for rule in active_effects.all_rules():
-        effect = rule.judge(found.walker.plan().case)
+        effect = rule.decide(found.walker.plan().case)
         if effect.on and rule.switch and rule.switch not in complete.scene.effects.on:
             variant = variants.without_effect(found.walker, rule)
             found = try_variant(None if variant is None else variant._replace(effect=effect.name))

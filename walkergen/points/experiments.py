@@ -41,7 +41,7 @@ class Walker(NamedTuple):
     such runs are others of the same ensemble."""
 
     @property
-    def shaken(self) -> Drive:
+    def equivalent_drive(self) -> Drive:
         """Drive of the plate. For a walker with a motor: the drive of a plate that would move it in the same way."""
         return self.scene.drive.equivalent_plate_drive(float(self.mass.total))
 
@@ -66,7 +66,7 @@ class Walker(NamedTuple):
     def quantities(self, records: Sequence[RunResult]) -> list[Quantity]:
         """Return the observables averaged over runs, each with its error from the time step as `bias`."""
         plan = self.plan()
-        summary = ensemble.summarise(records, plan.shaken.peak_speed, 0.0)
+        summary = ensemble.summarise(records, plan.equivalent_drive.peak_speed, 0.0)
         return list(step_errors.add_step_bias(plan, summary.numbers).values())
 
     def finer(self) -> "Walker | None":
@@ -121,7 +121,7 @@ def key_facts(scene: Scene, design: Design) -> list[Any]:
 def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
     """Summarize the finished runs `records` of a walker. `runs`: requested number. `wall_s`: time they took, s."""
     plan = walker.plan()
-    summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
+    summary = ensemble.summarise(records, plan.equivalent_drive.peak_speed, wall_s)
     return Results(
         walker.with_run(runs=runs),
         summary._replace(numbers=step_errors.add_step_bias(plan, summary.numbers)),

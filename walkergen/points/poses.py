@@ -12,7 +12,7 @@ from walkergen.core.numerics import Array, Mask
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation import run
 from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.space.pose import locate, place, plate_height
+from walkergen.core.simulation.space.pose import locate, plate_height, update_pose
 from walkergen.core.simulation.space.state import (
     C_X,
     HEADING,
@@ -87,7 +87,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
     points, plate = np.empty((len(rows), len(walker.leg), 4)), np.empty(len(rows))
     _fill_points(world, states, points, plate)
     first, modes = first_row(walker), slice(MODE, None, ROW_LENGTH)
-    on_plate = np.flatnonzero(walker.place == 0.0)
+    on_plate = np.flatnonzero(walker.wall_distance == 0.0)
     # A run that ended before its first pose has none
     first_x, first_z = states[:1, SHOWN_X].sum(), -states[:1, SHOWN_Y].sum()
     start = np.array([first_x, 0.0, first_z if plan.scene.arena.kind == "plane" else 0.0])
@@ -118,7 +118,7 @@ def _fill_points(world, states, points, plate):
     for i in range(len(states)):
         state = states[i].copy()
         work = work_for(world.walker, state)
-        place(world, state, work)
+        update_pose(world, state, work)
         locate(world, state, work)
         plate[i] = plate_height(world, state)
         for k in range(points.shape[1]):

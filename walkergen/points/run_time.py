@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Expect, Expected, ignore_estimate
-from walkergen.core.measure import Error, Measured, core_count
+from walkergen.core.measure import Measured, UntilError, core_count
 from walkergen.core.numerics import statistics
 from walkergen.core.simulation.batch import Stopped
 from walkergen.core.simulation.observables import SPEED
@@ -45,7 +45,7 @@ def stop_after_moment() -> Stopped:
 def rate_from_steps(plan: Plan) -> float:
     """Return an upper limit of CPU seconds per simulated second, from the number of time steps or plate periods."""
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
-    return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
+    return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.equivalent_drive.frequency)
 
 
 def measure_rate(plan: Plan) -> float:
@@ -83,13 +83,13 @@ def total_time(walkers: Sequence[Walker]) -> Expected | None:
 class ErrorWithEstimate(NamedTuple):
     """Runs until an error is met, with a callback for the remaining time after the first runs."""
 
-    until: Error
+    until: UntilError
     expect: Expect = ignore_estimate
 
     @property
-    def first(self) -> int:
+    def first_runs(self) -> int:
         """Number of runs to begin with."""
-        return self.until.first
+        return self.until.first_runs
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
         """Return the measurement with more runs, or a finer experiment, until the error is met; None then.
@@ -97,12 +97,12 @@ class ErrorWithEstimate(NamedTuple):
         After the first runs, pass a function that estimates the remaining time to `expect`.
         """
         more = self.until.further(measured)
-        if more is not None and measured.runs == self.until.first:
+        if more is not None and measured.runs == self.until.first_runs:
             self.expect(lambda: time_to_error(self.until, measured))
         return more
 
 
-def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
+def time_to_error(until: UntilError, measured: Measured[Walker]) -> Expected:
     """Estimate the remaining clock time until the error is met, from the first runs `measured`.
 
     A note compares the total time with that for the next larger error.
@@ -118,7 +118,7 @@ def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
     )
 
 
-def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
+def cost_of_error(until: UntilError, measured: Measured[Walker]) -> float:
     """Estimate the remaining CPU seconds until the error is met, from the first runs `measured`; 0 if it is met."""
     if until.further(measured) is None:
         return 0.0
@@ -134,19 +134,19 @@ def total_cpu_s(measured: Measured[Any]) -> float:
     return float(sum(record.cpu_s for record in measured.records))
 
 
-def _runs_needed(until: Error, measured: Measured[Walker], finer: Walker) -> int:
+def _runs_needed(until: UntilError, measured: Measured[Walker], finer: Walker) -> int:
     """Return the number of runs of the walker `finer` that will meet an error, from the scatter of the finished runs.
 
     `finer`: the measured walker, or the same with a smaller time step.
     """
-    quantity = measured._replace(experiment=finer).quantities[until.of]
-    scatter = _run_scatter(measured, until.of, quantity.se or 0.0)
-    for runs in range(until.first, until.most):
+    quantity = measured._replace(experiment=finer).quantities[until.column]
+    scatter = _run_scatter(measured, until.column, quantity.se or 0.0)
+    for runs in range(until.first_runs, until.max_runs):
         if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.max_error(
             quantity.value
         ):
             return runs
-    return until.most
+    return until.max_runs
 
 
 def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:

@@ -18,7 +18,7 @@ from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import By, PredictedSpeed, make_speed
-from walkergen.core.theory.surrogate import NORMAL_95, Known
+from walkergen.core.theory.surrogate import NORMAL_95, SurrogateCase
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import corrected_surrogate, print_ensemble, run_time, walkers
 from walkergen.points.effect_selection import find_simplest
@@ -65,7 +65,7 @@ def load_stored(walker: Walker) -> Record | None:
         store.close()
 
 
-def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Record:
+def simulate_short(walker: Walker, near: SurrogateCase | None, progress: Progress) -> Record:
     """Simulate a walker shortly, and save its numbers in the store.
 
     `near`: the walker with the surrogate's numbers, so that a few runs are enough; None if it has none. Raises

@@ -18,7 +18,7 @@ from walkergen.points.members import Member
 def caption(design: Design, scene: Scene, mode: str) -> str:
     """Return the caption of a table of speeds: how they were computed, and the assumed contact."""
     contact, assumed = scene.contact, scene.prediction
-    what = "mean factor v/w" if design.alike else "balanced factor v/w"
+    what = "mean factor v/w" if design.is_symmetric_pair else "balanced factor v/w"
     origin = contact.origin[0].upper() + contact.origin[1:]
     swing = "motor's" if scene.drive.kind == "motor" else "plate's"
     return (

@@ -78,7 +78,7 @@ def add_step_bias(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quan
 def _bias(plan: Plan, part: float, name: str, value: float) -> float:
     """Return the largest error (95 %) of the number `name`. `part`: step over `resolving_step`, at most 1."""
     if name == observables.SPEED:
-        return part**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.shaken.peak_speed)
+        return part**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.equivalent_drive.peak_speed)
     if name in MAX_STEP_ERRORS:
         return part**2 * MAX_STEP_ERRORS[name] * abs(value)
     return part**2 * MAX_SHARE_ERRORS[name.partition(".")[2]] if value > 0.0 else 0.0  # share of an impact type

@@ -98,14 +98,14 @@ class Pairs(NamedTuple):
         for index, variant in enumerate(self.variants, start=1):
             pairs = [(runs[0], runs[index]) for runs in records]
             cpu = quantity.mean("cpu_ratio", "", [run.cpu_s / max(base.cpu_s, 1e-9) for base, run in pairs])
-            speed = _speed_difference(pairs, self.walker.shaken.peak_speed)
+            speed = _speed_difference(pairs, self.walker.equivalent_drive.peak_speed)
             changes.append(Change(variant.effect, variant.change, speed, cpu))
         return changes
 
 
 def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
     """Return whether a change of speed is within the tolerance of the walker's `speed`, with 95 % confidence."""
-    error = speed_error(tolerance, walker.shaken).max_error(speed.value)
+    error = speed_error(tolerance, walker.equivalent_drive).max_error(speed.value)
     return change.speed.compare_with_range(-error, error)
 
 
@@ -134,7 +134,7 @@ def _with_short_runs(walker: Walker) -> Walker:
 
 def rule_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
     """Return every rule with the effect that it finds for a plan, on or off."""
-    return [(rule, rule.judge(plan.case)) for rule in active_effects.all_rules()]
+    return [(rule, rule.decide(plan.case)) for rule in active_effects.all_rules()]
 
 
 def without_effect(walker: Walker, rule: Rule) -> Variant | None:
@@ -149,15 +149,19 @@ def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
         variant = None
         if effect.on and effect.switch:
             variant = without_effect(walker, rule)
-        elif also_on and not effect.on and rule.usual and not (by_motor and harmonic.KEY in rule.usual):
-            variant = _build_variant(walker, "", _format_usual(rule), {f"effects.{rule.switch}": None, **rule.usual})
+        elif (
+            also_on and not effect.on and rule.typical_values and not (by_motor and harmonic.KEY in rule.typical_values)
+        ):
+            variant = _build_variant(
+                walker, "", _format_usual(rule), {f"effects.{rule.switch}": None, **rule.typical_values}
+            )
         if variant is not None:
             yield variant._replace(effect=effect.name)
 
 
 def _format_usual(rule: Rule) -> str:
     """Describe the change when an effect is switched on at its usual size."""
-    sizes = {key.rpartition(".")[2]: value for key, value in rule.usual.items()}
+    sizes = {key.rpartition(".")[2]: value for key, value in rule.typical_values.items()}
     words = ", ".join(f"{name} = {value}" for name, value in sizes.items() if value is not True)
     return f"on, {words}" if words else "on"
 

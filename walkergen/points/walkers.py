@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 from walkergen.analysis import motion
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.tracks import Tracks, from_places
+from walkergen.analysis.tracks import Tracks, from_positions
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate, part_progress, silent
-from walkergen.core.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
+from walkergen.core.measure import FIRST_RUNS, Measured, Runs, Until, UntilError, measure
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import batch, observables
 from walkergen.core.simulation.observables import SPEED
@@ -118,7 +118,7 @@ def simulate_to_error(
         raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.OBSERVABLE_NAMES)}")
     if of != SPEED and not wanted.relative:
         raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s. Write a share, such as 5%.")
-    until = speed_error(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
+    until = speed_error(wanted, walker.equivalent_drive) if of == SPEED else UntilError(wanted, of)
     results = _simulate_short_runs(walker, ErrorWithEstimate(until, expect), progress, threads)
     number = results.summary.numbers[of]
     if reason := step_errors.reason(number):
@@ -126,15 +126,17 @@ def simulate_to_error(
     return ErrorResult(results, of, until.max_error(number.value))
 
 
-def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
-    """Simulate short runs of a walker until its speed has the wanted error or `most` runs are made."""
-    return _simulate_short_runs(walker, speed_error(wanted, walker.shaken)._replace(most=most), progress, None)
+def simulate_with_limit(walker: Walker, wanted: Tolerance, max_runs: int, progress: Progress = silent) -> Results:
+    """Simulate short runs of a walker until its speed has the wanted error or `max_runs` runs are made."""
+    return _simulate_short_runs(
+        walker, speed_error(wanted, walker.equivalent_drive)._replace(max_runs=max_runs), progress, None
+    )
 
 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
     """Estimate the CPU seconds, first runs included, until the speed has the wanted error. Makes the first runs."""
     first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
-    return run_time.total_cpu_s(first) + run_time.cost_of_error(speed_error(wanted, walker.shaken), first)
+    return run_time.total_cpu_s(first) + run_time.cost_of_error(speed_error(wanted, walker.equivalent_drive), first)
 
 
 def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
@@ -147,9 +149,9 @@ def _with_first_runs(walker: Walker) -> Walker:
     return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
 
 
-def speed_error(wanted: Tolerance, shaken: Drive) -> Error:
+def speed_error(wanted: Tolerance, drive: Drive) -> UntilError:
     """Return the rule to add runs until the speed has the wanted error. `shaken`: drive of the plate."""
-    return Error(wanted, SPEED, MIN_SPEED_RATIO * shaken.peak_speed)
+    return UntilError(wanted, SPEED, MIN_SPEED_RATIO * drive.peak_speed)
 
 
 def _to_results(measured: Measured[Walker]) -> Results:
@@ -162,8 +164,8 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
     `lane`: True if only the position along a lane counts.
     """
     if interval is None:
-        return from_places([result.places for result in results], results[0].block_s, lane)
-    return from_places([trajectory.sample_rows(result)[:, 1:4] for result in results], interval, lane)
+        return from_positions([result.places for result in results], results[0].block_s, lane)
+    return from_positions([trajectory.sample_rows(result)[:, 1:4] for result in results], interval, lane)
 
 
 def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:

@@ -161,7 +161,7 @@ def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes:
     for kind, colour in figures.LEG_COLOURS.items():
         copies = [placed for placed in plate.placements if members[placed.part].kind == kind]
         corners = [np.array((placed.x, placed.y)) for placed in copies]
-        for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
+        for layer, shade, label in (("walker", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
             triangles = [
                 getattr(views[placed.part], layer) + corner for placed, corner in zip(copies, corners, strict=True)
             ]
@@ -186,7 +186,7 @@ def draw_bed(axes: Axes, printer: Printer) -> None:
 class _View(NamedTuple):
     """Walker on the bed seen from above, from its bounding box's corner: triangles, (k, 3, 2)."""
 
-    whole: Array
+    walker: Array
     legs: Array
     """Upright legs, on top of the whole; none of a walker on its side."""
 
@@ -238,7 +238,7 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
         label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
         key = placed.part, len(label)
         if key not in fitted:
-            on_side = design.pair and solids.is_printed_on_side(design)
+            on_side = design.has_legs_table and solids.is_printed_on_side(design)
             fit_label = _fit_between_legs if on_side else _fit_on_part
             fitted[key] = fit_label(design, meshes[placed.part], len(label))
         x, y, height = fitted[key]

@@ -57,7 +57,7 @@ def test_masses_and_mobilities_are_ours(name, tmp_path):
     mujoco.mj_forward(model, data)
     assert data.subtree_com[2] == pytest.approx(data.xpos[2], abs=1e-12)  # C, of the whole
     rows = np.zeros((len(walker.leg), 3, model.nv))
-    for k, place in enumerate(walker.place):
+    for k, place in enumerate(walker.wall_distance):
         geom = model.geom(f"corner{k}").id
         mujoco.mj_jacGeom(model, data, rows[k], None, geom)
         up, along, left = rows[k][[2, 0, 1]]
@@ -77,7 +77,7 @@ def test_feet_are_springs_and_dampers_in_physical_units(name, tmp_path):
     plan = plan_of(design, PLANE)
     walker, drive, springs = plan.world.walker, plan.world.drive, mjcf.linear_springs(plan)
     depth, fall = 2e-3, 5.0
-    feet = np.flatnonzero(walker.place == 0.0)
+    feet = np.flatnonzero(walker.wall_distance == 0.0)
     data.qpos[3] -= drive.amplitude + depth  # it begins an amplitude over the plate
     data.qvel[3] = -fall
     mujoco.mj_forward(model, data)
@@ -94,12 +94,12 @@ def test_feet_are_springs_and_dampers_in_physical_units(name, tmp_path):
 def test_linear_springs_are_those_of_equal_contact_time():
     """The closed form of the paper's walker, and both contact times by integration of the two laws."""
     plan = plan_of(PAPER, PLANE)
-    walker, speed = plan.world.walker, 2.0 * plan.shaken.peak_speed
+    walker, speed = plan.world.walker, 2.0 * plan.equivalent_drive.peak_speed
     (spring,) = set(mjcf.linear_springs(plan))
     (leg,), (tip,), mass = set(walker.spring), set(walker.tip), 0.25 * walker.mass
     alone = 1.0 / (1.0 / spring - 1.0 / leg)
     modulus, radius = contact_modulus(PLANE, PAPER.material), 1e-3 * PLANE.feet.tip_radius_um
-    energy = walker.mass * plan.shaken.peak_speed**2
+    energy = walker.mass * plan.equivalent_drive.peak_speed**2
     assert alone == pytest.approx(1.20 * (modulus**4 * radius**2 * energy) ** 0.2, rel=1e-3)
     hertz = contact_time(lambda depth: tip * depth**1.5, mass, speed)
     linear = contact_time(lambda depth: alone * depth, mass, speed)

@@ -237,14 +237,18 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
 @pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])])
 def test_labels_lie_on_their_part_beside_its_legs(design):
     mesh = printed(design)
-    room = plate_map._fit_between_legs if design.pair and solids.is_printed_on_side(design) else plate_map._fit_on_part
+    room = (
+        plate_map._fit_between_legs
+        if design.has_legs_table and solids.is_printed_on_side(design)
+        else plate_map._fit_on_part
+    )
     letters = 4
     x, y, height = room(design, mesh, letters)
     half = 0.5 * plate_map.LETTER_WIDTH_RATIO * letters * height
     box = shapely.box(x - half, y - 0.5 * height, x + half, y + 0.5 * height)
     view = plate_map._top_view(design, mesh)
     whole, legs = (
-        shapely.union_all([shapely.Polygon(corners) for corners in triangles]) for triangles in (view.whole, view.legs)
+        shapely.union_all([shapely.Polygon(corners) for corners in triangles]) for triangles in (view.walker, view.legs)
     )
     assert height > 1.0
     if room is plate_map._fit_on_part:
@@ -256,7 +260,9 @@ def test_labels_lie_on_their_part_beside_its_legs(design):
 
 def test_the_map_shows_the_outline_and_the_legs_on_it():
     view = plate_map._top_view(DISC, printed(DISC))
-    whole, legs = (sum(shapely.Polygon(corners).area for corners in triangles) for triangles in (view.whole, view.legs))
+    whole, legs = (
+        sum(shapely.Polygon(corners).area for corners in triangles) for triangles in (view.walker, view.legs)
+    )
     assert whole == pytest.approx(weigh(solids.build(DISC).body, 1.0).volume / 2.0, rel=1e-5)
     reach = 7.5 * math.sin(math.radians(10.0)) + 0.4 / math.cos(math.radians(10.0))
     # Above the sliver of CLEAR_MM that is left out

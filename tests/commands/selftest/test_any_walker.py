@@ -8,7 +8,7 @@ from walkergen.commands.simulate import quantities
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.effect import Case
-from walkergen.core.simulation.effects.legs import judge_compliance
+from walkergen.core.simulation.effects.legs import decide_compliance
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.model import initial_state
 from walkergen.core.simulation.space.points import MAX_HULL_POINTS
@@ -45,12 +45,12 @@ def test_legs_are_named_by_where_they_stand():
 
 def test_a_body_whose_weight_is_aside_starts_between_a_lanes_walls():
     corners = [[0, 0], [28, 0], [28, 12], [17, 12], [17, 24], [11, 24], [11, 12], [0, 12]]
-    design = design_of({"place": "auto"}, body={"outline": "polygon", "points_mm": corners})
+    design = design_of({"placement": "auto"}, body={"outline": "polygon", "points_mm": corners})
     world = prepare(Scene(), design, solids.mass_of(design)).world
-    walled = world.walker.place > 0.0
+    walled = world.walker.wall_distance > 0.0
     sides, state = world.walker.root[walled, 2], initial_state(world, 0.1)
     assert abs(sides.min() + sides.max()) > 1.0  # the centre of mass is off the middle
-    assert np.abs(sides + state[C_Z]).max() == pytest.approx(world.walker.place.max() - 0.25)
+    assert np.abs(sides + state[C_Z]).max() == pytest.approx(world.walker.wall_distance.max() - 0.25)
 
 
 def test_landings_of_three_feet_by_hand():
@@ -111,7 +111,7 @@ def test_explain_names_the_slowest_and_the_fastest_leg():
     for each, told in ((TWO, False), (unlike, True)):
         design = design_of(each)
         case = Case(scene_of(), design, solids.mass_of(design))
-        meaning = judge_compliance(case).meaning
+        meaning = decide_compliance(case).meaning
         assert ("slowest back; fastest front, 1.5" in meaning) == told
 
 

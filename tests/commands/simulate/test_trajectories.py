@@ -34,7 +34,7 @@ def asked_of(arena, runs=2, seconds=0.06):
 
 
 def simulated(one):
-    return trajectories.collect(one, make.measure(one, silent).point, silent)
+    return trajectories.collect(one, make.measure(one, silent).results, silent)
 
 
 def frames_of(text):
@@ -132,6 +132,6 @@ def test_a_run_that_ended_early_is_absent_from_later_frames_and_no_run_is_no_fra
 
 def test_samples_kept_are_not_simulated_again(monkeypatch):
     one = asked_of("lane")
-    point = make.measure(one, silent).point
+    point = make.measure(one, silent).results
     monkeypatch.setattr(trajectories.walkers, "simulate", None)
     assert len(trajectories.collect(one, point, silent).rows) == 14

@@ -43,7 +43,7 @@ def png_size(data: bytes) -> tuple[int, int]:
 def test_the_map_shows_the_place_of_every_part_in_the_3mf_file(printer):
     files = dict(plates.layout_files(layout_of(printer), "plate", draw=None))
     rows = list(csv.DictReader(io.StringIO(files[f"plate_{printer.name}.csv"].decode())))
-    assert list(rows[0]) == list(plates.Place._fields)
+    assert list(rows[0]) == list(plates.CopyPosition._fields)
     centred = printer.origin == "centre"
     left, front = (-0.5 * printer.bed_width_mm, -0.5 * printer.bed_depth_mm) if centred else (0.0, 0.0)
     seen = 0

@@ -36,7 +36,7 @@ class Batch(NamedTuple):
     """A family's plate as made, and as sliced."""
 
     members: list[Design]
-    rows: list[plates.Place]
+    rows: list[plates.CopyPosition]
     printed: gcode.Printed
     walkers: list[Walker | None]
     printer: Printer

@@ -40,7 +40,7 @@ def result(number, seconds, speeds):
     )
 
 
-def judge(ensembles, truth, shrink=1.0):
+def decide(ensembles, truth, shrink=1.0):
     """Root mean square of z, and shares inside of the 68 % and the 95 % interval.
 
     z is normal where Student's law holds: the deviation over the stated error, through Student's
@@ -98,7 +98,7 @@ def test_intervals_of_slow_and_fast_processes_hold_their_share(process, runs, se
     speeds = 50.0 + PROCESSES[process](rng, ENSEMBLES * runs, round(seconds / BLOCK_S))
     results = [result(number, seconds, one) for number, one in enumerate(speeds)]
     ensembles = [results[at : at + runs] for at in range(0, len(results), runs)]
-    assert_honest(judge(ensembles, 50.0))
+    assert_honest(decide(ensembles, 50.0))
 
 
 def test_directions_that_outlast_everything_are_the_limit_of_few_runs():
@@ -143,7 +143,7 @@ def walkers(tilt, restitution, runs, seconds, count):
     draws = [rng.permutation(len(found))[:runs] for _ in range(ENSEMBLES)]
     # Drawn without putting back, a mean deviates less from the pool's by the share of the pool.
     shrink = np.sqrt(1.0 - runs / len(found))
-    return judge([[found[at] for at in draw] for draw in draws], truth, shrink)
+    return decide([[found[at] for at in draw] for draw in draws], truth, shrink)
 
 
 @pytest.mark.slow

@@ -107,7 +107,7 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
 
 def simulate_plan(plan):
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
-    return ensemble.summarise(results, plan.shaken.peak_speed, 0.0), results
+    return ensemble.summarise(results, plan.equivalent_drive.peak_speed, 0.0), results
 
 
 @pytest.mark.parametrize("seconds", [0.1, 40.0])

@@ -17,7 +17,7 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import drop_for_run, simulate
 from walkergen.core.simulation.space.model import energy, mirror_state
 from walkergen.core.simulation.space.points import mirror_order
-from walkergen.core.simulation.space.pose import locate, place
+from walkergen.core.simulation.space.pose import locate, update_pose
 from walkergen.core.simulation.space.state import J_N, ROW_LENGTH, TRAJECTORY_COLUMNS, V_Y, W_X, first_row, work_for
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -47,7 +47,7 @@ def test_a_rigid_body_rebounds_by_the_closed_form_of_its_four_corners(label):
     keys = {"arena.wall_restitution": label, "run.step_us": 5.0}
     plan = plan_under_lid(WALKERS["braced"], 15.0, Scene.model_validate(STILL), **keys)
     walker = plan.world.walker
-    lid = walker.place < 0.0
+    lid = walker.wall_distance < 0.0
     damper = math.sqrt((walker.damper[lid] ** 2).sum())  # equal ones side by side: c adds up, its stiffness too
     assert lid.sum() == 4
     state, tally = plan.initial_state(1.0, 0.0, 0.0), record.new_tally(len(plan.initial_state(1.0, 0.0, 0.0)))
@@ -71,11 +71,11 @@ def test_under_a_lid_energy_is_booked_and_no_corner_is_far_beyond_it(name):
     plan, state = drop_for_run(plan_under_lid(WALKERS[name], lid_mm, **{"drive.gamma": 4.0}), 0)
     walker, tally = plan.world.walker, record.new_tally(len(state))
     before, deepest, pressed = energy(plan.world, state), 0.0, False
-    lid = np.flatnonzero(walker.place < 0.0)
+    lid = np.flatnonzero(walker.wall_distance < 0.0)
     for _ in range(100):
         plan.advance(state, 1e-3, tally)
         work = work_for(walker, state)
-        place(plan.world, state.copy(), work)
+        update_pose(plan.world, state.copy(), work)
         locate(plan.world, state.copy(), work)
         deepest = min(deepest, float(work.points["gap"][lid].min()))
         pressed |= bool((state[first_row(walker) + ROW_LENGTH * lid + J_N] > 0.0).any())
@@ -161,9 +161,9 @@ def test_mujoco_has_the_same_lid(tmp_path):
     data = mujoco.MjData(model)
     plan = plan_under_lid(DISC, lid_mm, **{"effects.off": ["leg_twist"]})
     walker = plan.world.walker
-    lid = np.flatnonzero(walker.place < 0.0)
+    lid = np.flatnonzero(walker.wall_distance < 0.0)
     depth, rise = 2e-4, 5.0
-    data.qpos[3] += 0.3 - plan.shaken.amplitude + depth  # it begins an amplitude over the plate
+    data.qpos[3] += 0.3 - plan.equivalent_drive.amplitude + depth  # it begins an amplitude over the plate
     data.qvel[3] = rise
     mujoco.mj_forward(model, data)
     pressed = np.zeros((data.ncon, 6))

@@ -18,7 +18,7 @@ from walkergen.core.simulation.effects.resolve import resolve
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import simulate
 from walkergen.core.simulation.space.model import mirror_state
-from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.pose import update_pose
 from walkergen.core.simulation.space.state import (
     HEADING,
     HEIGHT,
@@ -51,12 +51,14 @@ def centred_motor_plan(axis):
     x, y, z = -plan.world.walker.centre  # C from O at half depth
     moved = {"along_mm": x, "up_mm": y, "across_mm": z}
     shifted = carrying(keys, moved, kind="braced")
-    x, y, z = np.array([x, y, z]) - shifted.world.acting.motor.place  # O from the body's middle
+    x, y, z = np.array([x, y, z]) - shifted.world.acting.motor.position  # O from the body's middle
     moved = {"along_mm": moved["along_mm"] + x, "up_mm": moved["up_mm"] + y, "across_mm": moved["across_mm"] + z}
     plan = weightless(carrying(keys, moved, kind="braced"))
     acting = plan.world.acting
     centre = tuple((-plan.world.walker.centre).tolist())
-    return plan._replace(world=plan.world._replace(acting=acting._replace(motor=acting.motor._replace(place=centre))))
+    return plan._replace(
+        world=plan.world._replace(acting=acting._replace(motor=acting.motor._replace(position=centre)))
+    )
 
 
 @pytest.mark.parametrize("axis", ["along", "across", "up", [0.3, 0.5, 0.8]])
@@ -79,7 +81,7 @@ def test_a_motor_off_the_centre_turns_the_body_by_angular_momentum():
     """Exact in the plane: (J - S^2/M + 2 S p.e) w + S Omega p.e is kept; both p, e from C."""
     plan = weightless(carrying({"eccentric_g_mm": 0.02}, {"along_mm": 5.0}, kind="braced"))
     walker, rotor = plan.world.walker, plan.world.acting.motor
-    p, J = np.array(rotor.place) + walker.centre, walker.inertia[2, 2]
+    p, J = np.array(rotor.position) + walker.centre, walker.inertia[2, 2]
     S, omega = rotor.moment, -rotor.omega  # about z: its top moves forward
     small = 2.0 * S * np.linalg.norm(p) / J
     for phase in (0.0, 0.7, 2.0, 4.0):
@@ -110,7 +112,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
     from_start = np.array([begun[SHOWN_X], begun[HEIGHT], -begun[SHOWN_Y]])
     moved = np.linalg.norm(theirs[:3] - from_start)
     # 2 S |p|/J = 0.1 % of the motion is what the model leaves out, summed over some periods
-    arm = np.linalg.norm(np.array(rotor.place) + walker.centre)
+    arm = np.linalg.norm(np.array(rotor.position) + walker.centre)
     share = 2.0 * rotor.moment * arm / np.linalg.eigvalsh(walker.inertia)[0]
     assert moved > 1e-3
     np.testing.assert_allclose(at, theirs[:3], rtol=0, atol=10.0 * share * rotor.moment / walker.mass)
@@ -129,7 +131,7 @@ def test_spinning_it_keeps_the_angular_momentum_of_body_and_rotor():
     kept = []
     for _ in range(6):
         work = work_for(walker, state)
-        place(plan.world, state, work)
+        update_pose(plan.world, state, work)
         own = walker.inertia @ state[W_X : W_Z + 1]
         kept.append(work.R @ (own + spin(rotor, walker.centre, walker.mass, work.thrown)))
         assert plan.advance(state, 0.05, record.new_tally()) == OK
@@ -203,7 +205,7 @@ def test_the_plate_under_a_motor_is_still_and_blocks_are_periods_of_the_motor():
     plan = carrying(throwing(1.8, 180.0), **SHORT_RUN)
     assert plan.world.drive.amplitude == 0.0
     assert plan.world.drive.period == pytest.approx(1.0 / 180.0)
-    assert plan.shaken.peak_gamma == pytest.approx(1.8)
+    assert plan.equivalent_drive.peak_gamma == pytest.approx(1.8)
     result = simulate(plan, 0)
     assert result.block_s == pytest.approx(4.0 / 180.0, rel=0.05)
 

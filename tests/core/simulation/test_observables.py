@@ -27,7 +27,7 @@ def plan_of(tilt=10.0, kind="flexible", label=0.8, **run):
 def measure_numbers(plan):
     """Numbers of a plan with their errors and biases, by name."""
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
-    found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
+    found = ensemble.summarise(results, plan.equivalent_drive.peak_speed, 0.0)
     return step_errors.add_step_bias(plan, found.numbers)
 
 
@@ -51,7 +51,7 @@ def test_too_few_runs_have_a_value_but_no_error():
 def test_impulses_by_type_are_those_of_all_impacts_kept():
     plan = plan_of(seconds=0.2, runs=4)
     results = batch.run_all(ensemble.runner(plan, impacts=True), plan.scene.run.runs)
-    found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
+    found = ensemble.summarise(results, plan.equivalent_drive.peak_speed, 0.0)
     rows = np.concatenate([recorded_impacts(result) for result in results])
     rows = rows[rows[:, 1] < 4]  # without touches of the lane's walls
     for name, kind in record.KINDS.items():
@@ -107,7 +107,7 @@ def test_finer_steps_have_smaller_errors_and_coarser_none():
     own = plan_of().world.options.step
     whole = plan_of(step_us=1e6 * own, runs=4, seconds=0.1)
     results = batch.run_all(ensemble.runner(whole), whole.scene.run.runs)
-    found = ensemble.summarise(results, whole.shaken.peak_speed, 0.0)
+    found = ensemble.summarise(results, whole.equivalent_drive.peak_speed, 0.0)
     errors = []
     for part in (1.0, 0.9, 0.5, 0.499, 0.1):
         judged = step_errors.add_step_bias(plan_of(step_us=1e6 * part * own), found.numbers)

@@ -111,7 +111,7 @@ def mean_speed(tilt, label, seconds, finer=1.0, **tables):
     if finer > 1.0:
         plan = plan.coarser(1.0 / finer)
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs, threads=1)
-    return ensemble.summarise(results, plan.shaken.peak_speed, 0.0).speed.pair
+    return ensemble.summarise(results, plan.equivalent_drive.peak_speed, 0.0).speed.pair
 
 
 RIGID = {"rigid_tips": True}

@@ -104,10 +104,10 @@ def test_keeping_impacts_changes_no_bit_of_a_run():
 @pytest.mark.slow
 def test_landings_kept_are_those_counted():
     found = make.measure(asked_of(), silent)
-    counts = sum(result.tally.counts for result in found.point.results)
+    counts = sum(result.tally.counts for result in found.results.results)
     assert sum(one.corners.sum() for one in found.landings) == counts[record.IMPACTS]
-    rows = np.concatenate([recorded_impacts(result) for result in found.point.results])
-    impulses = sum(result.tally.sums[record.IMPULSES :] for result in found.point.results)
+    rows = np.concatenate([recorded_impacts(result) for result in found.results.results])
+    impulses = sum(result.tally.sums[record.IMPULSES :] for result in found.results.results)
     for kind in record.KINDS.values():
         own = rows[rows[:, 6] == kind]
         assert len(own) == counts[record.count_row(kind)]
@@ -149,7 +149,7 @@ def test_analyse_finds_the_numbers_of_simulate_in_its_tracks(run):
 def test_places_every_44_ms_give_the_numbers_of_dense_samples():
     one = asked_of(runs=8, seconds=1.5, interval=0.002)
     dense = make.measure(one, silent)
-    coarse = make.analyse_point(dense.point, one._replace(sample_interval=None))
+    coarse = make.analyse_point(dense.results, one._replace(sample_interval=None))
     for name in ("speed", "sideways_speed", "turning_bias"):
         fine, rough = (found.motion.estimates[name] for found in (dense, coarse))
         assert abs(fine.value - rough.value) < 0.3 * fine.se, name  # of one and the same motion

@@ -20,7 +20,7 @@ from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import Outcome, simulate
-from walkergen.core.simulation.space.pose import locate, place
+from walkergen.core.simulation.space.pose import locate, update_pose
 from walkergen.core.simulation.space.state import LEGS, PHASE, V_X, W_X, work_for
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
@@ -235,7 +235,7 @@ def sample_plan(plan):
 def gaps_of(world, state):
     """Gap (mm) of every contact of a state."""
     work, copy = work_for(world.walker, state), state.copy()
-    place(world, copy, work)
+    update_pose(world, copy, work)
     locate(world, copy, work)
     return work.points["gap"]
 
@@ -299,7 +299,7 @@ def check(tables):
         check_refusal(error, tables)
         return "refused: " + type(error).__name__
     design = plan.case.design
-    if design.pair and design.body.outline is None:
+    if design.has_legs_table and design.body.outline is None:
         check_solid(design)
     interval = plan.scene.run.seconds / 100.0
     result = simulate(plan, 0, sample_interval=interval, event_room=MAX_EVENTS)

@@ -128,7 +128,7 @@ def test_every_key_that_it_reads_moves_its_speed(key):
     scene = Scene().variant(**{key: READ_KEYS[key]})
     mass = solids.mass_of(TILTED_WALKER)
     at = [
-        surrogate.Known(TILTED_WALKER, one, dimensionless.compute_place(one, TILTED_WALKER, mass)).nominal[0]
+        surrogate.SurrogateCase(TILTED_WALKER, one, dimensionless.compute_numbers(one, TILTED_WALKER, mass)).nominal[0]
         for one in (Scene(), scene)
     ]
     assert at[0] != at[1]
@@ -168,12 +168,12 @@ def test_inputs_of_draws_equal_those_of_walkers_built_that_way():
         "legs.thickness_mm": 0.42,
     }
     scene, design, mass = uncertain_inputs.apply_inputs(Scene(), TILTED_WALKER, values)
-    built = dimensionless.compute_place(scene, design, mass)
+    built = dimensionless.compute_numbers(scene, design, mass)
     drawn = uncertain_inputs.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
-    place = dimensionless.compute_place(Scene(), TILTED_WALKER, solids.mass_of(TILTED_WALKER)).with_inputs(
+    place = dimensionless.compute_numbers(Scene(), TILTED_WALKER, solids.mass_of(TILTED_WALKER)).with_inputs(
         TILTED_WALKER, Scene(), drawn
     )
-    for name, one, other in zip(dimensionless.Place._fields, place, built, strict=True):
+    for name, one, other in zip(dimensionless.DimensionlessNumbers._fields, place, built, strict=True):
         # A thicker leg moves the centre of mass a little, which draws leave out
         assert float(np.ravel(one)[0]) == pytest.approx(float(other), rel=1e-2, abs=1e-3), name
 

@@ -49,7 +49,7 @@ def rival_mass(design):
     """Mass, centre and tensor of a whole walker: trimesh's of the printed part, closed forms of
     what it carries.
     """
-    depth, share = design.size.depth, design.fit.glue_g / 2.0
+    depth, share = design.size.depth, design.pocket_settings.glue_g / 2.0
     part = trimesh.Trimesh(*solids.build(design).walker, process=False)
     part.density = 1e-3 * design.material.density_g_cm3
     pieces = [(part.mass, part.center_mass, part.moment_inertia)]
@@ -63,7 +63,7 @@ def rival_mass(design):
         about = {"along": 0, "up": 1, "across": 2}[one.axis]
         tensor = np.diag([mass * diameter**2 / 8.0 if i == about else across for i in range(3)])
         pieces.append((mass, places[-1], tensor))
-    rod, wires = places[1] - places[0], design.fit.wires_g
+    rod, wires = places[1] - places[0], design.pocket_settings.wires_g
     thin = wires / 12.0 * (rod @ rod * np.eye(3) - np.outer(rod, rod))
     pieces.append((wires, 0.5 * (places[0] + places[1]), thin))
     total = sum(mass for mass, _, _ in pieces)
@@ -75,7 +75,7 @@ def rival_mass(design):
 def test_masses_add_the_printed_part_and_its_payload(name):
     """Rigid legs, so that the whole is one solid; flexible ones only part it otherwise."""
     design = load_walker(name)
-    if design.pair:
+    if design.has_legs_table:
         design = design.variant(kind="braced")
     found = solids.mass_of(design)
     total, centre, tensor = rival_mass(design)
@@ -125,7 +125,7 @@ def test_parts_go_into_their_pockets_with_their_clearance(name):
         aside = np.linalg.norm(np.delete(way, own.axis, axis=1), axis=1) - own.radius
         outside = np.hypot(np.maximum(beyond, 0.0), np.maximum(aside, 0.0))
         # Chords of the pocket, of 128 edges, come 3 um closer
-        assert outside.min() == pytest.approx(design.fit.clearance_mm, abs=0.004)
+        assert outside.min() == pytest.approx(design.pocket_settings.clearance_mm, abs=0.004)
 
 
 def test_wires_lead_from_pocket_to_pocket():

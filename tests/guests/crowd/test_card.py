@@ -10,7 +10,7 @@ from command_checks import refusal_of
 from inertial_tracks import Inertial, tracks
 
 from walkergen.analysis import motion
-from walkergen.analysis.tracks import from_places
+from walkergen.analysis.tracks import from_positions
 from walkergen.core.errors import InputError, WalkergenError
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
@@ -125,11 +125,11 @@ def test_a_push_tells_how_soon_it_is_forgotten_across_the_heading(aside):
         left += (-force * sine - left / aside) * step + noise[:, n]
         place = place + step * np.column_stack((60.0 * cosine - left * sine, 60.0 * sine + left * cosine))
         places.append(np.column_stack((place, heading[:, n])))
-    own = from_places(np.array(places)[500::5].transpose(1, 0, 2), 5 * step, lane=False)
+    own = from_positions(np.array(places)[500::5].transpose(1, 0, 2), 5 * step, lane=False)
     known = measured.sideways_relaxation(own, force)
     assert known.se < 0.25 * aside
     assert abs(known.value - aside) < 3.0 * known.se
-    straight = from_places(np.zeros((12, 50, 3)) + rng.normal(scale=1e-3, size=(12, 50, 3)), 0.01, lane=False)
+    straight = from_positions(np.zeros((12, 50, 3)) + rng.normal(scale=1e-3, size=(12, 50, 3)), 0.01, lane=False)
     assert measured.sideways_relaxation(straight, force).value is None
 
 
@@ -216,5 +216,5 @@ def test_what_a_card_no_longer_has_is_refused_with_the_way_that_remains(run, tmp
     assert "DESIGN: is a card already. Give it with --count" in refusal_of(run, "mine.json")
     old = json.loads(cards.to_json(CARD)) | {"wall_alignment": None}
     (tmp_path / "mine.json").write_text(json.dumps(old))
-    with pytest.raises(InputError, match=r"wall_alignment: this key is gone: .*`walkergen crowd --count 1`"):
+    with pytest.raises(InputError, match=r"wall_alignment: this key was removed. .*`walkergen crowd --count 1`"):
         cards.read_card(tmp_path / "mine.json")

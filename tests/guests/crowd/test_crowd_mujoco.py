@@ -13,7 +13,7 @@ from crowd_rival import Box, Law, Motion, collide, flush, inverse_mass, meet, st
 from nightly_cases import mostly_nightly
 
 from walkergen.core.simulation.effects.slope import Gravity
-from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.pose import update_pose
 from walkergen.core.simulation.space.state import C_X, V_X, W_X, work_for
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -168,7 +168,7 @@ def simulated(motions, seconds, push=None, **keys):
     found = []
     for world, state in pair.walkers:
         work = work_for(world.walker, state)
-        place(world, state, work)
+        update_pose(world, state, work)
         at, v, w = (state[first : first + 3].copy() for first in (C_X, V_X, W_X))
         found.append(Motion(at, work.R.copy(), v, work.R @ w))
     return pair, found

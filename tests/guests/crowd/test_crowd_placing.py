@@ -47,7 +47,7 @@ def ground_of(ground):
 def placed(outlines, words, seed=1):
     ground = dish.parse_dish(words)
     rng = np.random.default_rng(seed)
-    return ground, placing.place(outlines, ground, rng, CLEARANCE)
+    return ground, placing.place_outlines(outlines, ground, rng, CLEARANCE)
 
 
 def mixed(number):

@@ -8,7 +8,7 @@ from flat_cards import DISC, card, with_lammps
 
 from walkergen.core.dish import Dish
 from walkergen.guests.crowd.flat import crowd, crowd_checks, lammps_input
-from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.space.placing import place_outlines
 
 WIDTH = 8.0
 NUMBER = 200
@@ -45,7 +45,7 @@ def test_discs_that_only_diffuse_touch_as_often_as_hard_discs_do(packing):
     side = WIDTH * math.sqrt(0.25 * math.pi * NUMBER / packing)
     outlines = [(np.array(DISC),)] * NUMBER
     dish = Dish("periodic", (side,))
-    places = place(outlines, dish, np.random.default_rng(1), 0.2)
+    places = place_outlines(outlines, dish, np.random.default_rng(1), 0.2)
     run = crowd.simulate(crowd_checks.make_crowd([one], [0] * NUMBER, dish, places, seconds=12.0, rate_hz=50.0, seed=1))
     # Soft discs are hard ones of the diameter of Barker and Henderson: the mean overlap less
     parts = lammps_input.mechanics([one])

@@ -35,7 +35,7 @@ def speed(tilt, columns):
     columns = {SURROGATE_INPUT.name: 0.0} | columns
     drawn = Drawn({name: np.array([value]) for name, value in columns.items()}, 1)
     mass = solids.mass_of(design)
-    known = surrogate.Known(design, LANE, dimensionless.compute_place(LANE, design, mass))
+    known = surrogate.SurrogateCase(design, LANE, dimensionless.compute_numbers(LANE, design, mass))
     return float(prediction.sample_speeds(known, drawn)[0])
 
 

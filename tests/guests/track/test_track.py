@@ -305,7 +305,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     assert np.degrees(np.abs(one.theta - theta)).max() < 1.5
     # The same functions measure the same motion of both.
     rows = [np.column_stack([place, turn]) for place, turn in ((one.position, one.theta), (truth, theta))]
-    filmed, run = (motion.analyse(tracks.from_places([row], 0.04, lane=False)) for row in rows)
+    filmed, run = (motion.analyse(tracks.from_positions([row], 0.04, lane=False)) for row in rows)
     steps = [found.estimates["parallel_mean"] for found in (filmed, run)]
     assert steps[0].value == pytest.approx(steps[1].value, rel=0.01)
     assert steps[0].value / 0.04 == pytest.approx(shot.distance / 0.48, rel=0.05)

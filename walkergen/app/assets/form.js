@@ -292,7 +292,7 @@ export async function takeFile(file) {
   const body = flat ? { outline: answer.file, thickness_mm: 3 } : { mesh: answer.file };
   const values = { ...without(current().values, 'body'), body };
   // two equal legs place themselves under it; those of a list stand where they are put
-  if (document.querySelector('.row[data-key="legs.tilt_deg"]')) values['legs.place'] = 'auto';
+  if (document.querySelector('.row[data-key="legs.tilt_deg"]')) values['legs.placement'] = 'auto';
   change({ ...current(), values }, 'shape');
 }
 

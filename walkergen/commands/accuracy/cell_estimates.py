@@ -130,7 +130,7 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
     scene, design = plan.scene, plan.case.design
     all_rows, scene_name = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
-    step_s, drive = step_errors.resolving_step(plan), plan.shaken
+    step_s, drive = step_errors.resolving_step(plan), plan.equivalent_drive
     cell = tuple(row for row in all_rows if row.cell == (scene_name, tilt, restitution))
     cell = cell if any(row.share == REFERENCE_STEP_SHARE for row in cell) else ()
     rows = [row for row in all_rows if row.scene == (scene_name if cell else LANE_SCENE)]

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from walkergen.analysis import motion
-from walkergen.analysis.tracks import from_places
+from walkergen.analysis.tracks import from_positions
 from walkergen.commands.accuracy import step_law
 from walkergen.commands.accuracy.choice import Candidate
 from walkergen.core.errors import InputError
@@ -146,7 +146,7 @@ class Survey:
     @property
     def unit(self) -> float:
         """Speed that relative errors refer to, mm/s; requires the measured reference."""
-        return step_law.speed_scale(self.measured[self.steps[0]].speed.number, self.plan.shaken.peak_speed)
+        return step_law.speed_scale(self.measured[self.steps[0]].speed.number, self.plan.equivalent_drive.peak_speed)
 
     def bias(self, measured: StepMeasurement) -> Quantity:
         """Return the difference of a step's speed from the reference's, mm/s. It is 0 for the reference itself."""
@@ -217,7 +217,7 @@ def _observable_values(results: Results, lane: bool) -> dict[str, Quantity]:
     quantities = {name: results.summary.numbers[name] for name in observables.OBSERVABLE_NAMES}
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:
-        estimates = motion.analyse(from_places([result.places for result in good], good[0].block_s, lane)).estimates
+        estimates = motion.analyse(from_positions([result.places for result in good], good[0].block_s, lane)).estimates
         named = ((name, estimates[key]) for name, key in MOTION_KEYS.items())
         quantities |= {name: estimate for name, estimate in named if estimate.value is not None}
     return quantities

@@ -76,8 +76,8 @@ def linear_springs(plan: Plan) -> Array:
     mass, at LANDING_SPEED_RATIO times the plate's peak speed. If the plate hardly moves, the weight counts instead.
     """
     walker = plan.world.walker
-    share = walker.mass / np.count_nonzero(walker.place == 0.0)  # at 0 are the points that may touch the plate
-    speed = feet.LANDING_SPEED_RATIO * plan.shaken.peak_speed
+    share = walker.mass / np.count_nonzero(walker.wall_distance == 0.0)  # at 0 are the points that may touch the plate
+    speed = feet.LANDING_SPEED_RATIO * plan.equivalent_drive.peak_speed
     depths = np.array([landing_depth(tip, share, speed, GRAVITY * share) for tip in walker.tip])
     depths[np.isinf(walker.tip)] = 1.0  # any: rigid tips are infinitely stiff
     tips = math.pi**2 / (1.25 * HERTZ_TIME**2) * walker.tip * np.sqrt(depths)
@@ -193,7 +193,8 @@ def _corner_geoms(walker: Walker, leg: int) -> str:
     for k in np.flatnonzero(walker.leg == leg):
         on_body = walker.root[k] if leg < 0 else 0.0
         inward = [0.0, 0.0, -math.copysign(SPHERE_RADIUS_MM, walker.root[k, 2])]
-        inward = inward if walker.place[k] > 0.0 else [0.0, math.copysign(SPHERE_RADIUS_MM, walker.place[k]), 0.0]
+        if (distance := walker.wall_distance[k]) <= 0.0:
+            inward = [0.0, math.copysign(SPHERE_RADIUS_MM, distance), 0.0]
         spheres.append(
             f'<geom name="corner{k}" type="sphere" size="{SPHERE_RADIUS_MM}" mass="0" contype="0" '
             f'conaffinity="0" pos="{_format_point(on_body + _contact_offsets(walker)[k] + inward)}"/>'
@@ -203,7 +204,7 @@ def _corner_geoms(walker: Walker, leg: int) -> str:
 
 def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
     """Write the MJCF of the plate on its spring, with a lid or with walls twice as high as the body's middle."""
-    wall_side, lid, bodies = float(walker.place.max()), -float(walker.place.min()), ""
+    wall_side, lid, bodies = float(walker.wall_distance.max()), -float(walker.wall_distance.min()), ""
     for side in (-1, 1) if wall_side > 0.0 else ():
         bodies += f"""
       <geom name="wall{side:+d}" type="box" size="2000 5 {height!r}" rgba=".6 .6 .6 .2"
@@ -234,7 +235,7 @@ def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], sp
         slip = max(H[3 * k + 1, 3 * k + 1], H[3 * k + 2, 3 * k + 2])
         sideways = 2.0 * math.sqrt(walker.shear[k] * springs[k] / slip) * scale / IMPRATIO
         normal = _format_numbers(-scale * springs[k], -scale * walker.damper[k] * math.sqrt(springs[k]))
-        for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.place[k])]:
+        for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.wall_distance[k])]:
             pairs += f'''
     <pair geom1="{other}" geom2="corner{k}" condim="3" solref="{normal}"
       solreffriction="{_format_numbers(-1.0, -sideways)}" friction="{_format_numbers(friction, friction)} 0 0 0"
@@ -254,7 +255,7 @@ def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -
         else:
             leg = mass.legs[free[number]]
             reach[k], side[k] = leg.c_A, leg.across - walker.centre[2] - root[k, 2]
-    H = mobility(walker._replace(root=root, reach=reach, side=side, place=0.0 * walker.place))
+    H = mobility(walker._replace(root=root, reach=reach, side=side, wall_distance=0.0 * walker.wall_distance))
     return np.asarray(np.diag(H).reshape(-1, 3).mean(axis=1))
 
 

@@ -179,7 +179,7 @@ def _chart_data(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> 
     If the legs do not follow the family's tilt, measured speeds get the tilt of the walker with their kind of legs.
     """
     measured = inputs.measured
-    if measured is not None and not inputs.design.follows:
+    if measured is not None and not inputs.design.has_family_tilt:
         measured = chart_data.assign_member_tilts(
             measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers}
         )
@@ -193,7 +193,7 @@ def _curves(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> dict
     has a body on which the walker cannot be built at every tilt in between (legs would meet
     a hole, or miss it).
     """
-    if not inputs.design.follows:
+    if not inputs.design.has_family_tilt:
         return {}
     tilts = [member.design.tilt_deg for member in walkers]
     low, high = min(tilts), max(tilts)

@@ -59,7 +59,7 @@ class Part(NamedTuple):
     def label(self) -> str:
         """Words below the picture: the tilt, unless every leg has its own, the kind of legs, what it does."""
         kind = self.design.kind
-        name = f"{self.design.tilt_deg:g}° {kind}" if self.design.follows else kind
+        name = f"{self.design.tilt_deg:g}° {kind}" if self.design.has_family_tilt else kind
         return "\n".join(filter(None, (self.caption or name, self.speed)))
 
     @property

@@ -90,6 +90,6 @@ def _figure(design: Design, scene: Scene, walkers: Sequence[Member], shown: Char
         from walkergen.commands.family import figures
 
         rows = [member.row for member in walkers]
-        return figures.speed_figure(rows, shown, title, simulated, not design.follows)
+        return figures.speed_figure(rows, shown, title, simulated, not design.has_family_tilt)
 
     return draw

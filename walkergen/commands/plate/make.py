@@ -15,7 +15,7 @@ from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing import packing, plates, print_sheet
 from walkergen.core.printing.findings import check_printable, combine_printers, warning_lines
-from walkergen.core.printing.plates import Place
+from walkergen.core.printing.plates import CopyPosition
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import names, solids, weighed_masses
 from walkergen.core.walker.design import Design
@@ -62,7 +62,7 @@ class Load(NamedTuple):
 class PlateReport(Report):
     """Position of each copy on its plate, and the written files."""
 
-    places: Sequence[Place]
+    places: Sequence[CopyPosition]
 
 
 def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> Report:
@@ -176,7 +176,7 @@ def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
 
 
 def _report(
-    serial: int | None, inputs: PlateInputs, rows: Sequence[Place], files: Sequence[Path], cap_advice: Sequence[str]
+    serial: int | None, inputs: PlateInputs, rows: Sequence[CopyPosition], files: Sequence[Path], caps: Sequence[str]
 ) -> PlateReport:
     """Make the report of the contents of each plate, the meaning of the marks, and the caps."""
     columns = [
@@ -197,7 +197,7 @@ def _report(
     if serial is not None:
         last = serial + sum(inputs.copies) - 1
         lines.append(f"Copies are numbered {serial} to {last}. The number is the last in each mark.")
-    lines += cap_advice
+    lines += caps
     return PlateReport(
         name="plates",
         title="Plates",
@@ -209,7 +209,7 @@ def _report(
     )
 
 
-def _copies_by_plate(rows: Sequence[Place]) -> Iterator[Load]:
+def _copies_by_plate(rows: Sequence[CopyPosition]) -> Iterator[Load]:
     """Yield the number of copies of each walker on each plate, one row each."""
     marks: dict[tuple[str, int, str], list[str]] = {}
     for row in rows:
@@ -259,7 +259,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
     }
 
 
-def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path) -> list[Path]:
+def _write_forms(members: Sequence[Design], rows: Sequence[CopyPosition], folder: Path) -> list[Path]:
     """Write forms for the masses of each design's copies, except filled-in ones; return the written paths."""
     designs_by_name = dict(zip(names.part_names(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}

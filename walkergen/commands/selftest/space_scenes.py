@@ -88,7 +88,7 @@ def max_compression(plan: Plan, speed: float) -> float:
     other: half of m g sag for a leg, 0.6 of it for a tip. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before d
     = (1.25 m v^2 / K)^0.4 + (2.5 m g / K)^(2/3). Other corners, hinges and dampers take their part.
     """
-    walker, on_plate = plan.world.walker, plan.world.walker.place == 0.0
+    walker, on_plate = plan.world.walker, plan.world.walker.wall_distance == 0.0
     k, tip = float(walker.spring[on_plate].min()), float(walker.tip[on_plate].min())
     weight = walker.mass * GRAVITY
     leg_sag, tip_sag = weight / k, (weight / tip) ** (2.0 / 3.0)
@@ -100,7 +100,7 @@ def max_compression(plan: Plan, speed: float) -> float:
 def friction_windup(plan: Plan) -> float:
     """Return how far (mm) friction can wind up a corner on which the walker stands: its tip, hinge and twist."""
     walker = plan.world.walker
-    load = walker.mass * GRAVITY / np.count_nonzero(walker.place == 0.0)
+    load = walker.mass * GRAVITY / np.count_nonzero(walker.wall_distance == 0.0)
     depth = (load / float(walker.tip[0])) ** (2.0 / 3.0)
     tangent = 1.0 / (1.0 / float(walker.spring[0]) + 1.0 / (1.5 * float(walker.tip[0]) * math.sqrt(depth)))
     compliance = 1.0 / (float(walker.shear[0]) * tangent)

@@ -49,7 +49,7 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
     """
     walker, scene = point.walker, point.walker.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
-    kind = ensemble.common_orbit(np.array(good), walker.shaken.peak_speed)
+    kind = ensemble.common_orbit(np.array(good), walker.equivalent_drive.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
     from walkergen.points import print_ensemble as draws
@@ -80,11 +80,11 @@ MAX_LANDINGS_S = 500.0
 class Simulation(NamedTuple):
     """Results of a simulation."""
 
-    point: Results
+    results: Results
     orbit: Orbit | None = None
     """Orbit that all runs share. The runs then have no statistical error, and the bounds are those of prints."""
     motion: Motion | None = None
-    untold: str = ""
+    no_motion_reason: str = ""
     """Reason why `motion` is missing, otherwise ""."""
     landings: Sequence[Landings] = ()
     """Landings of each run that ended well; empty if they were not kept."""
@@ -98,7 +98,7 @@ class Simulation(NamedTuple):
     @property
     def scene(self) -> Scene:
         """Scene with the chosen runs and step."""
-        return self.point.walker.scene
+        return self.results.walker.scene
 
 
 def make_walker(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
@@ -140,11 +140,11 @@ def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
     simulated = Simulation(point, shared)
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
-        return simulated._replace(untold="no run ended well")
+        return simulated._replace(no_motion_reason="no run ended well")
     moved, untold = walkers.motion_of(good, walker.scene, walker.sample_interval)
     legs = names.leg_names(walker.design)
     landed = [_count_landings(result, len(legs)) for result in good] if walker.impacts else []
-    return simulated._replace(motion=moved, untold=untold, landings=landed, legs=legs)
+    return simulated._replace(motion=moved, no_motion_reason=untold, landings=landed, legs=legs)
 
 
 def _count_landings(result: RunResult, feet: int) -> Landings:

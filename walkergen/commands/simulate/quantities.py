@@ -72,7 +72,7 @@ def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
 
 def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
     """Yield impacts, shares of their types, contact and powers, with joint errors of runs and step."""
-    point = simulated.point
+    point = simulated.results
     for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
         for name, number in point.summary.numbers.items():
             value = number.value or 0.0
@@ -115,7 +115,7 @@ def landing_rates(simulated: Simulation) -> list[Quantity]:
     for index, name in enumerate(landing_names(simulated.legs)):
         rate = observables.ratio_of_sums(name, counts[:, index], time)
         kind = step_errors.LANDING_RATE if index < 2 * len(simulated.legs) else step_errors.GROUP_RATE
-        step = simulated.point.summary.numbers[kind]
+        step = simulated.results.summary.numbers[kind]
         biased = rate._replace(bias=step.bias if step_errors.reason(step) else step.bias * rate.number)
         rates.append(Quantity(name, "per_s", rate.number, step_errors.total_error(biased)))
     return rates
@@ -125,7 +125,7 @@ def notes(simulated: Simulation) -> Iterator[str]:
     """Yield notes on how motion was measured, and on reasons to doubt it."""
     if simulated.motion is not None:
         yield from (simulated.motion.method, *simulated.motion.doubts)
-    if simulated.point.summary.numbers[step_errors.MOTION].refused == step_errors.TURNING_REASON:
+    if simulated.results.summary.numbers[step_errors.MOTION].refused == step_errors.TURNING_REASON:
         yield step_errors.TURNING_REASON
 
 
@@ -149,7 +149,7 @@ def contact_as_dict(scene: Scene) -> dict[str, Any]:
 
 def format_step_error(simulated: Simulation) -> str:
     """Format the possible error from the step, in addition to the mean speed and its statistical error."""
-    speed = simulated.point.summary.speed
+    speed = simulated.results.summary.speed
     error = step_errors.step_bias(speed)
     if error is None:
         return f"; {speed.refused}"
@@ -161,14 +161,14 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
-    if bounds := simulated.point.summary.speed.interval():
+    if bounds := simulated.results.summary.speed.interval():
         yield ("this simulation", f"{bounds[0]:.1f} to {bounds[1]:.1f} mm/s (95 %), from runs and step")
     yield "your print", _format_print_bounds(simulated)
 
 
 def _format_print_bounds(simulated: Simulation) -> str:
     """Format the bounds of the speed of a print from its unknown properties, as `predict` computes them."""
-    walker = simulated.point.walker
+    walker = simulated.results.walker
     row = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
     if (bounds := row.speed.interval()) is None:
         return "run `predict`, or add ‹uncertain›"
@@ -194,7 +194,7 @@ def landings_as_dict(simulated: Simulation) -> dict[str, Any]:
 
 def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
     """Return the step's error of each observable for JSON, or the reason why there is none."""
-    numbers = simulated.point.summary.numbers
+    numbers = simulated.results.summary.numbers
     errors = {
         name: numbers[name].bias
         for name in observables.OBSERVABLE_NAMES
@@ -205,7 +205,7 @@ def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
         if reason := step_errors.reason(number):
             reasons.setdefault(reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
-    return {"errors_95": errors, "not_resolved": unresolved, "warnings": list(simulated.point.warnings)}
+    return {"errors_95": errors, "not_resolved": unresolved, "warnings": list(simulated.results.warnings)}
 
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:

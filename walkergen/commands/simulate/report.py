@@ -76,7 +76,7 @@ class SimulationReport(Report):
     @property
     def summary(self) -> Summary:
         """Statistics of all runs."""
-        return self.simulated.point.summary
+        return self.simulated.results.summary
 
     @property
     def motion(self) -> Motion | None:
@@ -114,8 +114,8 @@ class SimulationReport(Report):
         """
         if not 1e-3 <= rate_hz <= 1e7:
             raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
-        walker = self.simulated.point.walker._replace(sample_interval=1.0 / rate_hz)
-        states = trajectories.collect(walker, self.simulated.point, progress or silent)
+        walker = self.simulated.results.walker._replace(sample_interval=1.0 / rate_hz)
+        states = trajectories.collect(walker, self.simulated.results, progress or silent)
         title = f"trajectories of {self.summary.runs} runs"
         return Table("trajectory", list(states.rows), states.columns, title=title)
 
@@ -125,7 +125,7 @@ def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
 
     The printed text has the first lines of the summary, or all if `whole`.
     """
-    scene, design = simulated.scene, simulated.point.walker.design
+    scene, design = simulated.scene, simulated.results.walker.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
     first = None if whole else _select_first_lines(lines, simulated)
     return SimulationReport(
@@ -134,7 +134,7 @@ def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
         tables=[_summary_table(simulated, design), Table("summary", lines, (), LINE_COLUMNS, read=first)],
         lines=[] if whole else ["‹all› also prints turning, spreading, impacts, contact and power"],
         facts=_facts(simulated, scene),
-        warnings=simulated.point.warnings,
+        warnings=simulated.results.warnings,
         figures=_figures(simulated, design),
         simulated=simulated,
     )
@@ -142,7 +142,7 @@ def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
 
 def _select_first_lines(lines: Sequence[Line], simulated: Simulation) -> list[Line]:
     """Select the lines that are printed first: no refused numbers, and the endings of runs that did not end well."""
-    ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
+    ended_well = set(simulated.results.summary.outcomes) == {Outcome.OK.value}
     names = {*FIRST_LINE_NAMES, *(() if ended_well else ("outcomes",))}
     return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
 
@@ -150,7 +150,7 @@ def _select_first_lines(lines: Sequence[Line], simulated: Simulation) -> list[Li
 def _summary_table(simulated: Simulation, design: Design) -> Table:
     """Make the table of the summary in one row. Nested tables become columns with a dot."""
     named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
-    values = named | _flatten(numbers.rename_motor_power(simulated.point.summary.facts, simulated.scene))
+    values = named | _flatten(numbers.rename_motor_power(simulated.results.summary.facts, simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
 
@@ -167,7 +167,7 @@ def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
 
 def _mean_speed(simulated: Simulation) -> Quantity:
     """Return the mean speed of the runs. Runs on one orbit have no error; its name is the reason."""
-    speed = simulated.point.summary.speed
+    speed = simulated.results.summary.speed
     return speed if simulated.orbit is None else speed._replace(refused=simulated.orbit.kind)
 
 
@@ -176,7 +176,7 @@ def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], F
 
     The result is empty if no run ended well.
     """
-    good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
+    good = [result for result in simulated.results.results if result.outcome in ENDED_WELL]
 
     def draw() -> "Figure":
         from walkergen.points.track_figure import draw_tracks
@@ -191,12 +191,12 @@ def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], F
 def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
     """Return the summary of the runs for JSON. It is partial if Ctrl-C left some out."""
     data: dict[str, Any]
-    data = numbers.contact_as_dict(scene) | simulated.point.summary.facts
-    data["partial"] = simulated.point.partial
+    data = numbers.contact_as_dict(scene) | simulated.results.summary.facts
+    data["partial"] = simulated.results.partial
     if simulated.motion is not None:
         data["motion"] = facts.from_motion(simulated.motion)
-    if simulated.untold:
-        data["motion"] = {"refused": simulated.untold}
+    if simulated.no_motion_reason:
+        data["motion"] = {"refused": simulated.no_motion_reason}
     if simulated.landings:
         data["landings"] = numbers.landings_as_dict(simulated)
     data["step"] = numbers.step_errors_as_dict(simulated)
@@ -211,7 +211,7 @@ def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
 
 def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
     """Yield the name and value of each line of the summary."""
-    summary = simulated.point.summary
+    summary = simulated.results.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     yield scene.drive.kind, numbers.format_drive(scene)
     yield "contact", numbers.format_contact(scene)
@@ -221,8 +221,8 @@ def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tupl
     yield from numbers.bound_rows(simulated)
     if simulated.chosen is not None:
         yield from simulated.chosen.lines
-    if simulated.untold:
-        yield "motion", f"unknown: {simulated.untold}"
+    if simulated.no_motion_reason:
+        yield "motion", f"unknown: {simulated.no_motion_reason}"
     found = [numbers.motion_numbers(simulated), numbers.observed_numbers(simulated), numbers.landing_numbers(simulated)]
     rest, marks = quantity_format.mark_reasons(chain(*found))
     yield from ((quantity_format.format_name(number), number) for number in rest)
@@ -240,7 +240,7 @@ def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tupl
 
 def _format_speed(simulated: Simulation, scene: Scene) -> str:
     """Format the mean speed with the errors of runs and step, or the reason why it has none."""
-    _, _, mean, se, *_ = simulated.point.summary.speed
+    _, _, mean, se, *_ = simulated.results.summary.speed
     if mean is None:
         return "none: no run ended well"
     speed = f"{formatting.format_fixed(mean, 2) if se is None else formatting.format_with_error(mean, se)} mm/s"

@@ -123,13 +123,13 @@ class SimulateRequest(request.Request):
             self._expect(lambda: run_time.total_time([walker]))
         simulated = make.measure(walker, progress, wanted, self.of, self._expect)
         result = report.make_report(simulated._replace(simplest=found), self.all)
-        done, wished = simulated.point.summary.runs, simulated.scene.run.runs
+        done, wished = simulated.results.summary.runs, simulated.scene.run.runs
         if done < wished:
             lost = [] if self.trajectory is None else [f"{self.trajectory}: not written"]
             warnings = [f"interrupted after {done} of {wished} runs", *lost, *result.warnings]
             return replace(result, warnings=warnings, code=130)
         if self.trajectory is not None:
-            trajectories.write(self.trajectory, walker._replace(scene=simulated.scene), simulated.point, progress)
+            trajectories.write(self.trajectory, walker._replace(scene=simulated.scene), simulated.results, progress)
             result = replace(result, files=[self.trajectory])
         return result
 

@@ -64,7 +64,7 @@ class Section(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
-    gone: ClassVar[Mapping[str, str]] = {}
+    removed_keys: ClassVar[Mapping[str, str]] = {}
     """Keys that earlier versions had, and what to do without each."""
 
     @field_validator("*", mode="before")
@@ -328,8 +328,8 @@ def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix
 def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
     """Suggest the known key most like a removed or unknown one, or all keys of its table."""
     table = _model_at(location[:-1], model)
-    if table and location[-1] in table.gone:
-        return f"this key is gone: {table.gone[location[-1]]}"
+    if table and location[-1] in table.removed_keys:
+        return f"this key was removed. {table.removed_keys[location[-1]]}"
     paths = [".".join(path) for path in key_paths(model)]
     if table and any("[" in key for key in location):
         paths = [".".join((*location[:-1], name)) for name in table.model_fields]

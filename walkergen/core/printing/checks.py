@@ -199,7 +199,7 @@ def _check_gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     clearance = sections.leg_clearance(design.limbs)
     if clearance < width:
         what = f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse"
-        change = "raise legs.contact_spacing_mm" if design.pair else "move them apart"
+        change = "raise legs.contact_spacing_mm" if design.has_legs_table else "move them apart"
         yield make_finding(About.LEGS, "warning", what, clearance, width, "mm", change)
 
 

@@ -19,7 +19,7 @@ COMMON_FILE_COUNT = 5
 """Number of files of a layout apart from those of each plate."""
 
 
-class Place(NamedTuple):
+class CopyPosition(NamedTuple):
     """Position of one copy; the field names are the columns of a map."""
 
     printer: str
@@ -96,7 +96,7 @@ def add_findings(layout: Layout) -> Layout:
     return layout._replace(findings=findings)
 
 
-def list_places(layout: Layout) -> list[Place]:
+def list_places(layout: Layout) -> list[CopyPosition]:
     """List the positions of all copies, plate by plate: the map."""
     rows = []
     for number, plate in enumerate(layout.plates, start=1):
@@ -104,7 +104,7 @@ def list_places(layout: Layout) -> list[Place]:
             design, part = layout.members[placed.part], layout.parts[placed.part]
             item = packing.item_name(part, placed.copy)
             lengths = (placed.x, placed.y, part.width, part.depth)
-            row = Place(
+            row = CopyPosition(
                 layout.printer.name,
                 number,
                 item,
@@ -157,6 +157,6 @@ def _print_sheet(layout: Layout, stem: str) -> str:
     return print_sheet.to_markdown(printed, weighed, layout.findings, legend)
 
 
-def to_csv(rows: Sequence[Place]) -> str:
+def to_csv(rows: Sequence[CopyPosition]) -> str:
     """Format the map as CSV. Lengths are exact to a nanometre."""
-    return csv_text(Place._fields, rows)
+    return csv_text(CopyPosition._fields, rows)

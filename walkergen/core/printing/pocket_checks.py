@@ -33,11 +33,11 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
         return make_finding(About.POCKETS, "warning", what, seen, limit, "mm", change)
 
     line, parts = printer.line_width_mm, design.parts
-    clearance, needed = design.fit.clearance_mm, printer.pocket_clearance_mm
+    clearance, needed = design.pocket_settings.clearance_mm, printer.pocket_clearance_mm
     if parts and clearance < needed - ROUNDING_MM:
         what = f"{' and '.join(parts)} may not go into the pocket as this printer prints it"
         yield warning(what, clearance, needed, f"set pockets.clearance_mm = {needed:g}")
-    channel = design.fit.channel_mm
+    channel = design.pocket_settings.channel_mm
     if len(parts) > 1 and 0.0 < channel < 2.0 * line:
         change = "raise pockets.channel_mm, or make it 0 and lead the wires outside"
         yield warning("the channel of the wires may fuse", channel, 2.0 * line, change)
@@ -66,7 +66,7 @@ def ceiling_span(part: Part, design: Design) -> float:
     is_on_side = solids.is_printed_on_side(design)
     if part.opens == ("side" if is_on_side else "down"):
         return 0.0
-    pocket_size = [2.0 * (half + design.fit.clearance_mm) for half in part.cylinder.half]
+    pocket_size = [2.0 * (half + design.pocket_settings.clearance_mm) for half in part.cylinder.half]
     if is_on_side:
         return pocket_size[0]  # it opens up or down, which is level in the print
     return min(pocket_size[0], math.inf if part.opens == "side" else pocket_size[2])
@@ -84,7 +84,7 @@ def thinnest_wall(part: Part, design: Design) -> float:
         return _side_wall(part, design)
     if design.body.mesh is not None:
         return math.inf
-    size, cylinder, clearance = design.size, part.cylinder, design.fit.clearance_mm
+    size, cylinder, clearance = design.size, part.cylinder, design.pocket_settings.clearance_mm
     x, z = cylinder.centre[0], cylinder.centre[2]
     if cylinder.axis == 1:
         hole = shapely.Point(x, -z).buffer(cylinder.radius + clearance, quad_segs=32)
@@ -105,7 +105,7 @@ def _side_wall(part: Part, design: Design) -> float:
     """
     import shapely
 
-    cylinder, clearance = part.cylinder, design.fit.clearance_mm
+    cylinder, clearance = part.cylinder, design.pocket_settings.clearance_mm
     (x, y, z), half = cylinder.centre_in_design(design.size.depth), cylinder.half
     if cylinder.axis == 2:
         pocket = shapely.Point(x, y).buffer(cylinder.radius + clearance, quad_segs=32)

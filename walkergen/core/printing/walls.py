@@ -83,7 +83,7 @@ class Wall(NamedTuple):
 def upright_walls(design: Design) -> list[Wall]:
     """Return the upright walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
     on_side = solids.is_printed_on_side(design)
-    key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
+    key = f"legs.{design.kind}_thickness_mm" if design.has_legs_table else ""
     legs = [Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, on_side))]
     braces = [
         Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)

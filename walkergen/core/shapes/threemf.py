@@ -41,7 +41,7 @@ MAX_ELEMENTS_PER_TRIANGLE = 8
 """Most elements of XML for every triangle that is allowed: corners, colours, textures."""
 
 Attributes = dict[str, str]
-Place = tuple[str, int]
+ObjectKey = tuple[str, int]
 """Path of a model in an archive, in small letters, and the number of an object in it."""
 
 Role = Literal["model", "negative", "other"]
@@ -135,7 +135,7 @@ def read_parts(data: bytes, source: str, most_triangles: int = MAX_TRIANGLES) ->
 class _Placed(NamedTuple):
     """Object as an item or a component places it."""
 
-    object: Place
+    object: ObjectKey
     name: str
     transform: Array
     """Rows of the turn, and below them the shift, shape (4, 3), for corners as rows."""
@@ -158,13 +158,13 @@ class _Package:
 
     def __init__(self, most_triangles: int) -> None:
         self.most_triangles = most_triangles
-        self.objects: dict[Place, _Object] = {}
+        self.objects: dict[ObjectKey, _Object] = {}
         self.items: list[_Placed] = []
         self.volumes: Volumes = {}
         self.unit = "millimeter"
         self._prefixes: dict[str | None, str] = {}
         self._elements = 0
-        self._counts: dict[Place, tuple[int, int]] = {}
+        self._counts: dict[ObjectKey, tuple[int, int]] = {}
 
     def read_archive(self, archive: zipfile.ZipFile) -> None:
         """Read the main model of an archive, the models that it refers to, and the notes of slicers."""
@@ -313,7 +313,7 @@ class _Package:
         if (triangles := sum(triangles for _, triangles in counts)) > self.most_triangles:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
-    def _count_meshes(self, place: Place, depth: int) -> tuple[int, int]:
+    def _count_meshes(self, place: ObjectKey, depth: int) -> tuple[int, int]:
         """Return the numbers of meshes and triangles of an object (path, number) that is `depth` levels deep."""
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
@@ -341,7 +341,7 @@ class _Package:
                 yield from _split_by_role(placed, volumes) if role == "model" else [placed]
 
     def _place_meshes(
-        self, place: Place, transforms: list[Array]
+        self, place: ObjectKey, transforms: list[Array]
     ) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
         """Yield an object's meshes, moved by all transforms, and the first and last triangle and role of each volume.
 

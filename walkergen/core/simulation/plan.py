@@ -32,9 +32,9 @@ class Plan(NamedTuple):
         return self.case.scene
 
     @property
-    def shaken(self) -> PlateDrive:
+    def equivalent_drive(self) -> PlateDrive:
         """Drive of the plate. For a walker with a motor: the drive of a plate that would move it in the same way."""
-        return self.case.shaken
+        return self.case.equivalent_drive
 
     def with_run_settings(self, **run: float) -> "Plan":
         """Return the plan with other values in the scene's [run].

@@ -111,7 +111,7 @@ def sample_drop(
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.sample_print(rng)
-    height = plan.shaken.amplitude * clearance
+    height = plan.equivalent_drive.amplitude * clearance
     phase = phase if common_phase is None else common_phase
     return plan, plan.initial_state(height, MAX_DROP_TURN_RAD * pitch, phase, MAX_DROP_TURN_RAD * roll, heading)
 

@@ -21,7 +21,7 @@ DEFAULT_PLAY_MM = 0.5
 """Default gap of a lane over the depth of the body, as in `simulation.effects.walls`."""
 
 
-class Place(NamedTuple):
+class DimensionlessNumbers(NamedTuple):
     """Dimensionless numbers on which a speed over the plate's peak speed depends; lengths over the feet's distance.
 
     A walker of the other tilt on the other slope is the mirror image: it has the same numbers. Fields are floats, or
@@ -48,7 +48,7 @@ class Place(NamedTuple):
     height_ratio: float | Array
     """Height of the centre of mass over the feet."""
     fore_ratio: float | Array
-    """Place of the centre of mass before the middle of the feet, the way that the legs push."""
+    """Position of the centre of mass before the middle of the feet, the way that the legs push."""
     unevenness_ratio: float | Array
     """Unevenness of the feet over the plate's amplitude."""
     log_foot_ratio: float | Array
@@ -80,7 +80,7 @@ class Place(NamedTuple):
     """Logarithms of the body's length and depth, which meet the walls."""
     log_depth_ratio: float | Array
 
-    def with_inputs(self, design: Design, scene: Scene, drawn: Drawn) -> "Place":
+    def with_inputs(self, design: Design, scene: Scene, drawn: Drawn) -> "DimensionlessNumbers":
         """Return these numbers with uncertain inputs at their drawn values; those become arrays of shape (draws,)."""
         contact, material = scene.contact, design.material
         modulus = material.youngs_modulus_gpa
@@ -112,7 +112,7 @@ class Place(NamedTuple):
         )
 
 
-def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
+def compute_numbers(scene: Scene, design: Design, mass: MassProperties) -> DimensionlessNumbers:
     """Compute the dimensionless numbers of a walker with two equal legs; hinge and mass ratios of braced legs are 1."""
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
@@ -133,7 +133,7 @@ def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
     if arena.kind == "lane":
         play = DEFAULT_PLAY_MM if arena.gap_mm is None else arena.gap_mm - size.depth
         closeness = 1.0 / (1.0 + max(play, 0.0) / size.length / HALF_WEIGHT_TURN_RAD)
-    return Place(
+    return DimensionlessNumbers(
         root_tilt=math.sqrt(abs(design.tilt_deg)),
         restitution=max(scene.contact.restitution, MIN_RESTITUTION),
         log_friction=math.log(friction),
@@ -166,7 +166,7 @@ def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
 
 
 def _log_tip_ratio(scene: Scene, design: Design, mass: float) -> float:
-    """Return the logarithm of a walker's (g) frequency on one tip over the drive's, as `Place` has it."""
+    """Return the logarithm of a walker's (g) frequency on one tip over the drive's, as in `DimensionlessNumbers`."""
     modulus, radius, drive = contact_modulus(scene, design.material), 1e-3 * scene.feet.tip_radius_um, scene.drive
     stiffness = (modulus**4 * radius**2 * mass * drive.peak_speed**2) ** 0.2
     return 0.5 * math.log(stiffness / mass) - math.log(drive.omega)
@@ -191,13 +191,13 @@ def leg_mass_ratios(design: Design, drawn: Drawn) -> Array:
     return drawn.input_values("leg mass", 1.0) * (1.0 if weighed else leg_thickness_ratios(design, drawn))
 
 
-def to_matrix(place: Place) -> Array:
+def to_matrix(place: DimensionlessNumbers) -> Array:
     """Return the numbers of n walkers or draws, whose fields are arrays, as a matrix of shape (n, fields)."""
     return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(number) for number in place)))
 
 
 def describe_number(name: str, low: float, high: float) -> tuple[str, str]:
-    """Return a field of `Place` in words, and its range `low` to `high` as text, without logarithm or square root."""
+    """Return the field `name` in words, and its range as text, without logarithm or square root."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
         low, high = low**2, high**2

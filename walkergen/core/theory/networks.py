@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.theory.dimensionless import Place
+from walkergen.core.theory.dimensionless import DimensionlessNumbers
 from walkergen.core.walker.limbs import Kind
 
 Array = npt.NDArray[np.float64]
@@ -140,7 +140,7 @@ def network_inputs(places: Array) -> tuple[Array, Array]:
     walker and plate are mirrored, so they enter the inputs by products that do not. A walker without tilt on a level
     plate then has no speed, and the mirror image the opposite one.
     """
-    of = Place(*places.T)
+    of = DimensionlessNumbers(*places.T)
     tilt = of.root_tilt**2
     odd = tilt / (tilt + SMALL_TILT_DEG)
     against = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - of.log_friction
@@ -191,7 +191,7 @@ def speeds_at(kind: Kind, places: Array) -> Speeds:
     plain, odd = network_inputs(places)
     inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]
     values = (evaluate(select_layers(kept, kind), inputs) * odd).sum(axis=-1)
-    terms, uneven = features(inputs), places[:, Place._fields.index("unevenness_ratio")]
+    terms, uneven = features(inputs), places[:, DimensionlessNumbers._fields.index("unevenness_ratio")]
     prints = uneven * evaluate_smooth(terms, kept[f"{kind}_prints"])
     parts = error_parts(values, select_layers(kept, f"{kind}_log_error"), inputs, odd)
     error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)

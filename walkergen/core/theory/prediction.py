@@ -20,7 +20,7 @@ from walkergen.core.theory import surrogate, uncertain_inputs
 from walkergen.core.theory.networks import Speeds
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.stationary import Stationary, standing_reason, stationary
-from walkergen.core.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
+from walkergen.core.theory.surrogate import NORMAL_95, FallsError, SurrogateCase, UnknownError
 from walkergen.core.theory.uncertain_inputs import PREDICTION_READER, QUANTILES, Drawn, Input, Share
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -181,13 +181,13 @@ def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
     return (*uncertain_inputs.inputs(scene, design, PREDICTION_READER), PRINT_INPUT, SURROGATE_INPUT, MODEL_INPUT)
 
 
-def sample_speeds(known: Known, drawn: Drawn) -> Array:
+def sample_speeds(known: SurrogateCase, drawn: Drawn) -> Array:
     """Return predicted speeds, mm/s, shape (n,), at draws of `prediction_inputs`. `known`: the walker's surrogate."""
     speeds = print_speeds(known, known.sample_speeds(drawn), drawn)
     return np.asarray(speeds + known.sign * model_error_sd(speeds, known.scene) * drawn.columns[MODEL_INPUT.name])
 
 
-def print_speeds(known: Known, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
+def print_speeds(known: SurrogateCase, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
     """Return the speeds of n printed walkers at `drawn` inputs, without the model's error, mm/s, shape (n,).
 
     `known` is the walker's surrogate, and `speeds` are those of its networks at the drawn inputs. `shift` is added to

@@ -53,10 +53,10 @@ def stationary(
     another material keep their own values, scaled by draw over nominal. Raises TheoryError for numbers out of range,
     for a centre of mass that is not between the feet, and for mode `paper` of unlike feet.
     """
-    if design.pair:
+    if design.has_legs_table:
         return _average_equal_feet(factors(mass, restitution, friction, mode))
     flat = project_to_plane(design, mass)
-    if design.alike:
+    if design.is_symmetric_pair:
         return _average_equal_feet(factors(flat.mass, restitution, friction, mode))
     from walkergen.core.theory.balance import Foot, solve_balance  # compiles
 
@@ -92,7 +92,7 @@ def _format_note(design: Design, note: str, shares: Array) -> str:
     if shares.ndim == 1:
         percent = " : ".join(f"{100 * share:.0f}" for share in shares)
         note += f" (impacts from back to front {percent} %)"
-    if not design.symmetric:
+    if not design.is_mirror_symmetric:
         note += "; its legs differ left and right, so it turns, which only the model in space includes"
     return note
 
@@ -107,7 +107,7 @@ class Planar(NamedTuple):
 
 def project_to_plane(design: Design, mass: MassProperties) -> Planar:
     """Project a walker to its side view: legs side by side become one. Two equal legs stay unchanged."""
-    if design.pair:
+    if design.has_legs_table:
         return Planar(mass, design.limbs)
     groups: dict[tuple[object, ...], list[tuple[Limb, LegMass]]] = {}
     for limb, leg in zip(design.limbs, mass.legs, strict=True):

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import DEPENDENT_KEYS, Scene
 from walkergen.core.theory import dimensionless, networks
-from walkergen.core.theory.dimensionless import Place
+from walkergen.core.theory.dimensionless import DimensionlessNumbers
 from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
 from walkergen.core.theory.uncertain_inputs import Drawn
 from walkergen.core.walker.design import Design
@@ -45,7 +45,7 @@ RANGE_MARGIN = 0.02
 class UnknownError(WalkergenError):
     """A walker is outside the surrogate's domain; the text gives the reason, which a table states once."""
 
-    def __init__(self, text: str, near: "Known | None" = None) -> None:
+    def __init__(self, text: str, near: "SurrogateCase | None" = None) -> None:
         super().__init__(text)
         self.near = near
         """Walker within the surrogate's ranges, but without a certain speed; None outside them."""
@@ -60,12 +60,12 @@ class FallsError(UnknownError):
 
 
 @dataclass(frozen=True)
-class Known:
+class SurrogateCase:
     """Walker in a scene within the surrogate's domain."""
 
     design: Design
     scene: Scene
-    place: Place
+    numbers: DimensionlessNumbers
 
     @property
     def sign(self) -> float:
@@ -77,7 +77,7 @@ class Known:
         """Peak speed of the plate, mm/s, over which the surrogate has speeds."""
         return self.scene.drive.peak_speed
 
-    def speeds_at(self, place: Place) -> Speeds:
+    def speeds_at(self, place: DimensionlessNumbers) -> Speeds:
         """Return the speeds at one or more places; beyond the sampled numbers, those at the ends of the range."""
         kind = self.design.kind
         speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(place), *_input_bounds(kind)))
@@ -86,7 +86,7 @@ class Known:
     @cached_property
     def predicted(self) -> Speeds:
         """Speed of the walker as designed."""
-        return self.speeds_at(self.place)
+        return self.speeds_at(self.numbers)
 
     @property
     def nominal(self) -> tuple[float, float]:
@@ -105,7 +105,7 @@ class Known:
 
     def sample_speeds(self, drawn: Drawn) -> Speeds:
         """Return the speeds at drawn values of the inputs of a prediction."""
-        return self.speeds_at(self.place.with_inputs(self.design, self.scene, drawn))
+        return self.speeds_at(self.numbers.with_inputs(self.design, self.scene, drawn))
 
 
 def allowed_error(speed: Array | float) -> Array:
@@ -113,7 +113,7 @@ def allowed_error(speed: Array | float) -> Array:
     return np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
 
 
-def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_certain: bool = True) -> Known:
+def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_certain: bool = True) -> SurrogateCase:
     """Return a walker within the surrogate's domain.
 
     Pass `only_certain=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
@@ -121,8 +121,8 @@ def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_cert
     """
     for reason in _domain_violations(scene, design):
         raise UnknownError(reason)
-    known = Known(design, scene, dimensionless.compute_place(scene, design, mass))
-    _check_ranges(design.kind, known.place)
+    known = SurrogateCase(design, scene, dimensionless.compute_numbers(scene, design, mass))
+    _check_ranges(design.kind, known.numbers)
     fall_chance = float(known.predicted.falls[0])
     if fall_chance >= SURE_FALL_CHANCE:
         raise FallsError(fall_chance)
@@ -139,7 +139,7 @@ def _domain_violations(scene: Scene, design: Design) -> Iterator[str]:
     """Yield the reasons why a walker or its scene lies outside the surrogate's training set."""
     if scene.drive.kind == "motor":
         yield "walkers with a motor are simulated"
-    if not design.alike:
+    if not design.is_symmetric_pair:
         yield "walkers without two equal legs are simulated"
     if design.kind not in ("flexible", "braced"):
         yield f"walkers with {design.kind} legs are simulated"
@@ -188,12 +188,12 @@ def scene_violations(scene: Scene) -> list[str]:
 def _input_bounds(kind: Kind) -> Array:
     """Return the lower and upper ends of the sampled numbers for a kind of legs, shape (2, numbers)."""
     ranges = networks.training_facts()["ranges"][kind]
-    return np.array([ranges[name] for name in Place._fields]).T
+    return np.array([ranges[name] for name in DimensionlessNumbers._fields]).T
 
 
-def _check_ranges(kind: Kind, place: Place) -> None:
+def _check_ranges(kind: Kind, place: DimensionlessNumbers) -> None:
     """Raise UnknownError for a walker with a number that was not sampled."""
-    for name, value, low, high in zip(Place._fields, place, *_input_bounds(kind), strict=True):
+    for name, value, low, high in zip(DimensionlessNumbers._fields, place, *_input_bounds(kind), strict=True):
         margin = RANGE_MARGIN * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:
             words, ends = dimensionless.describe_number(name, low, high)

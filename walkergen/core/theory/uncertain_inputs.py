@@ -245,7 +245,7 @@ def _with_leg_thickness(design: Design, thickness: float | None, material: dict[
     """Return the design with its first leg of another thickness (mm), others in proportion, and material values."""
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
-        if design.pair:
+        if design.has_legs_table:
             data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = _clip_thickness(thickness)
         else:
             ratio = thickness / design.limbs[0].thickness

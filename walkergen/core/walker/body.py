@@ -201,7 +201,7 @@ class Size(NamedTuple):
 class FinishedWalker(NamedTuple):
     """Parts of a mesh that was a whole walker, in the design's frame."""
 
-    whole: Mesh
+    mesh: Mesh
     body: Mesh
     legs: tuple[Mesh, ...]
     """Legs from back to front. Legs side by side are in the order of their z."""
@@ -214,8 +214,7 @@ class Shape(NamedTuple):
 
     size: Size
     side: Polygon | None
-    """Profile in the x-y plane, counter-clockwise; None for other bodies than those in side view.
-    """
+    """Profile in the x-y plane, counter-clockwise; None for other bodies than those in side view."""
     plan: tuple[Polygon, ...] = ()
     """Outline seen from above, x to the right, outer contour first, then holes."""
     mesh: Mesh | None = None
@@ -224,7 +223,7 @@ class Shape(NamedTuple):
     """Hash of the bytes of the file, if there is one."""
     changes: tuple[str, ...] = ()
     """Parts of the file that were left out or repaired, a few words each."""
-    whole: FinishedWalker | None = None
+    finished: FinishedWalker | None = None
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
     def solid(self) -> Mesh:

@@ -119,7 +119,7 @@ class Design(WalkerSpec):
     def notes(self) -> tuple[str, ...]:
         """Messages on changes to the body's file and on the positions of automatic legs."""
         notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
-        return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.placed else tuple(notes)
+        return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.has_automatic_legs else tuple(notes)
 
     def with_numbered_legs(self) -> "Design":
         """Return the design with the automatic positions of its legs written as numbers, which a user can edit.
@@ -129,12 +129,12 @@ class Design(WalkerSpec):
         Design
             The same walker, or the design itself if it has no automatic legs.
         """
-        if not isinstance(self.legs, Legs) or not self.placed:
+        if not isinstance(self.legs, Legs) or not self.has_automatic_legs:
             return self
         data, legs = self.model_dump(exclude_unset=True), self.legs.model_dump(exclude_unset=True)
         first, size = self.limbs[0], self.size
-        if self.alike:
-            keys = {"place": "given", "contact_spacing_mm": self.foot_span, "width_mm": first.width}
+        if self.is_symmetric_pair:
+            keys = {"placement": "given", "contact_spacing_mm": self.foot_span, "width_mm": first.width}
             return validate(data | {"legs": legs | keys}, Design, self.name)
         keys = {key: legs[key] for key in ("kind", "length_mm", "brace_thickness_mm", "foot") if key in legs}
         keys |= {"thickness_mm": self.legs.thickness_mm, "thickness_sd_mm": self.legs.thickness_sd_mm}
@@ -146,9 +146,9 @@ class Design(WalkerSpec):
         return validate(data | {"leg_tilt_deg": self.tilt_deg, "legs": listed} | family, Design, self.name)
 
     @property
-    def alike(self) -> bool:
+    def is_symmetric_pair(self) -> bool:
         """Whether there are two equal legs at equal distances from the middle, as in the paper."""
-        if self.pair and not self.placed:
+        if self.has_legs_table and not self.has_automatic_legs:
             return True
         if len(self.limbs) != 2:
             return False
@@ -158,7 +158,7 @@ class Design(WalkerSpec):
         return first == image and first.across == 0.0 and not has_own_contact
 
     @property
-    def symmetric(self) -> bool:
+    def is_mirror_symmetric(self) -> bool:
         """Whether a mirror that swaps left and right leaves the set of legs unchanged."""
         legs = sorted(self.limbs, key=lambda limb: (limb.along, limb.tilt, limb.across))
         image = [limb._replace(across=0.0 - limb.across) for limb in self.limbs]
@@ -226,17 +226,17 @@ class Design(WalkerSpec):
 
         Raises GeometryError if these legs cannot have that tilt or kind.
         """
-        if self.pair:
+        if self.has_legs_table:
             values = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
             return {key: value for key, value in values.items() if value is not None}
         if kind not in (None, self.kind):
             raise GeometryError(f"{self.name}: its legs cannot be made {kind}. Change their kind in [[legs]].")
-        if tilt_deg not in (None, self.tilt_deg) and not self.follows:
+        if tilt_deg not in (None, self.tilt_deg) and not self.has_family_tilt:
             raise GeometryError(
                 f"{self.name}: each of its legs has its own tilt, so there is no variant "
                 f"at {tilt_deg:g} deg. Remove tilt_deg from the [[legs]] that shall change."
             )
-        return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
+        return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.has_family_tilt else {}
 
     def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
         """Return the variants of a family, ordered by kind, then by tilt. The default is the [family] table.
@@ -258,10 +258,10 @@ class Design(WalkerSpec):
         GeometryError
             If a member cannot be built. The message has the limit that was exceeded and the tilts.
         """
-        tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
+        tilts = [self.tilt_deg] if not self.has_family_tilt else self.family.tilt_deg
         tilts = tilts if tilts_deg is None else list(tilts_deg)
         kinds_or_none: list[Kind | None] = [None]
-        if kinds is not None or self.pair:
+        if kinds is not None or self.has_legs_table:
             kinds_or_none = list(self.family.legs if kinds is None else kinds)
         if self.weighed.leg_mass_g is not None and kinds_or_none not in ([self.kind], [None]):
             raise GeometryError(

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from walkergen.core.files.config import Section
 from walkergen.core.walker.body import Size
-from walkergen.core.walker.limbs import Place
+from walkergen.core.walker.limbs import Coordinate
 
 MAX_SERIAL = 99_999
 """Largest serial number."""
@@ -171,11 +171,11 @@ class Cylinder(NamedTuple):
 class Part(Section):
     """Part in a pocket of the body: its position, and the opening of the pocket."""
 
-    along_mm: Place = 0.0
+    along_mm: Coordinate = 0.0
     """Position of its middle along the body, from the middle of the body."""
-    across_mm: Place = 0.0
+    across_mm: Coordinate = 0.0
     """Position of its middle across the body, from the middle of the body."""
-    up_mm: Place = 0.0
+    up_mm: Coordinate = 0.0
     """Height of its middle above the middle of the body."""
     opens: Opening = "up"
     """Side of the body where its pocket opens. "side" is the upper side of a walker that prints on its side."""

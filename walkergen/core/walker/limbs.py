@@ -6,8 +6,9 @@ underside at its anchor, and its foot lies behind the anchor for tilt > 0.
 """
 
 import math
+from collections.abc import Mapping
 from operator import not_
-from typing import Annotated, Literal, NamedTuple, get_args
+from typing import Annotated, ClassVar, Literal, NamedTuple, get_args
 
 from pydantic import Field
 
@@ -16,7 +17,7 @@ from walkergen.core.numerics import Array
 
 MIN_LENGTH_MM, MAX_LENGTH_MM = 1e-6, 1e6
 Length = Annotated[float, Field(ge=MIN_LENGTH_MM, le=MAX_LENGTH_MM)]
-Place = Annotated[float, Field(ge=-1e6, le=1e6)]
+Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Tilt = Annotated[float, Field(ge=-85, le=85)]
 Kind = Literal["flexible", "braced"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -35,10 +36,12 @@ Polygon = Array
 class Legs(Section):
     """Two equal legs; `kind` selects one of the two thicknesses."""
 
+    removed_keys: ClassVar[Mapping[str, str]] = {"place": "Write placement = 'auto' or 'given'."}
+
     kind: Kind = "flexible"
     tilt_deg: Tilt = 10.0
     length_mm: Length = 7.5
-    place: Literal["auto", "given"] | None = Field(default=None, exclude_if=not_)
+    placement: Literal["auto", "given"] | None = Field(default=None, exclude_if=not_)
     """Whether legs are placed automatically, or as contact_spacing_mm and width_mm define. None: automatically, for a
     body in plan view or a mesh if neither key is set."""
     contact_spacing_mm: Length = 13.0
@@ -71,9 +74,9 @@ class Leg(Section):
     thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
     brace_thickness_mm: Length = 0.5
     foot: FootKind = "flat"
-    along_mm: Place
+    along_mm: Coordinate
     """Position of its foot along the body, from the middle, mm, at any tilt."""
-    across_mm: Place = 0.0
+    across_mm: Coordinate = 0.0
     """Position of its middle across the body, mm."""
     width_mm: Length | None = None
     """Width across the run. None: the depth of the body."""

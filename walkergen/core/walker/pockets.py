@@ -91,13 +91,13 @@ def weigh_contents(design: Design) -> list[SolidMass]:
     frame.
     """
     cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
-    extra = design.fit.glue_g / len(cylinders)
+    extra = design.pocket_settings.glue_g / len(cylinders)
     if len(cylinders) == 1:
-        extra += design.fit.wires_g
+        extra += design.pocket_settings.wires_g
     parts = [_cylinder_mass(cylinder, cylinder.mass + extra, depth) for cylinder in cylinders]
-    if len(parts) > 1 and design.fit.wires_g > 0.0:
+    if len(parts) > 1 and design.pocket_settings.wires_g > 0.0:
         first, second = (part.centre for part in parts)
-        rod, wires = second - first, design.fit.wires_g
+        rod, wires = second - first, design.pocket_settings.wires_g
         tensor = wires / 12.0 * (rod @ rod * np.eye(3) - np.outer(rod, rod))
         parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
     return parts
@@ -132,7 +132,7 @@ def wall_between(design: Design, max_thickness: float) -> float:
 def _pocket_solids(design: Design) -> dict[str, manifold3d.Manifold]:
     """Return the solids to cut away: each pocket by the name of its part, and the wires' "channel"."""
     cuts = {name: _swept_volume(part, design) for name, part in design.parts.items()}
-    if len(cuts) > 1 and design.fit.channel_mm > 0.0:
+    if len(cuts) > 1 and design.pocket_settings.channel_mm > 0.0:
         cuts["channel"] = _channel_solid(design)
     return cuts
 
@@ -166,7 +166,7 @@ def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Ar
 
 def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
     """Return the space that a part and its clearance fill, and pass through while the part is inserted."""
-    points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
+    points = _cylinder_points(part.cylinder, design, design.pocket_settings.clearance_mm)
     return _convex_hull(
         np.concatenate([points, points + _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[part.opens])])
     )
@@ -180,7 +180,7 @@ def _exit_distance(points: Array, design: Design) -> float:
 def _channel_solid(design: Design) -> manifold3d.Manifold:
     """Return the wires' channel from pocket floor to pocket floor, open to the side where both pockets open."""
     parts = list(design.parts.values())
-    half = 0.5 * design.fit.channel_mm
+    half = 0.5 * design.pocket_settings.channel_mm
     corners = half * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
     points = np.concatenate([_channel_end(part, design) + corners for part in parts])
     if parts[0].opens == parts[1].opens:
@@ -191,10 +191,10 @@ def _channel_solid(design: Design) -> manifold3d.Manifold:
 
 def _channel_end(part: Part, design: Design) -> Array:
     """Return the middle of the channel's end in a part's pocket, on its floor and within the body, shape (3,), mm."""
-    half, opening = 0.5 * design.fit.channel_mm, np.array(OPENING_DIRECTIONS[part.opens])
+    half, opening = 0.5 * design.pocket_settings.channel_mm, np.array(OPENING_DIRECTIONS[part.opens])
     cylinder = part.cylinder
     middle = np.array(cylinder.centre_in_design(design.size.depth))
-    middle -= opening * (np.array(cylinder.half) + design.fit.clearance_mm - half)
+    middle -= opening * (np.array(cylinder.half) + design.pocket_settings.clearance_mm - half)
     limit = max(0.5 * design.size.thickness - MIN_FLOOR_MM - half, 0.0)
     middle[1] = min(max(middle[1], -limit), limit)
     return middle
@@ -234,7 +234,7 @@ def _check_floor(
     name: str, part: Part, body: manifold3d.Manifold, other_pocket: manifold3d.Manifold, design: Design
 ) -> None:
     """Raise GeometryError unless solid plastic closes a part's pocket opposite its opening. `body`: without pockets."""
-    points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
+    points = _cylinder_points(part.cylinder, design, design.pocket_settings.clearance_mm)
     inward = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
     layer = _convex_hull(points + MIN_FLOOR_MM * inward) - _convex_hull(points)
     # The floor counts only below the lowest points of a round part
@@ -256,7 +256,7 @@ def _check_floor(
 
 def _format_place(name: str, design: Design) -> str:
     """Format, as "key = value", the position of a part along the body, or the width of the "channel"."""
-    value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
+    value = design.pocket_settings.channel_mm if name == "channel" else design.parts[name].along_mm
     return f"{_place_key(name)} = {value:g}"
 
 

@@ -72,10 +72,10 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
     Raises GeometryError for a leg that does not meet the body.
     """
     shape, legs = shape_of(spec.body), spec.legs
-    if shape.whole is not None:
+    if shape.finished is not None:
         assert isinstance(legs, Legs)
-        return shape.whole.limbs(legs.kind, shape.size.depth)
-    if spec.placed:
+        return shape.finished.limbs(legs.kind, shape.size.depth)
+    if spec.has_automatic_legs:
         assert isinstance(legs, Legs)
         placed: tuple[Limb, ...] = load_readers().find_placement(spec.body.key, legs.model_dump_json()).limbs
         return placed
@@ -98,7 +98,7 @@ def describe_placement(spec: WalkerSpec) -> str:
 
 def family_tilt_deg(spec: WalkerSpec) -> float:
     """Return the tilt that distinguishes members of a family, degrees. A finished walker has that of its first leg."""
-    if spec.whole:
+    if spec.is_complete_mesh:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.written_tilt_deg
 
@@ -106,8 +106,8 @@ def family_tilt_deg(spec: WalkerSpec) -> float:
 def check_buildable(spec: WalkerSpec) -> None:
     """Raise GeometryError for parts that cannot be built, a line for each fault."""
     shape, legs = shape_of(spec.body), spec.legs
-    if isinstance(legs, Legs) and not spec.placed:
-        faults = [] if spec.whole else _pair_faults(legs, shape.size)
+    if isinstance(legs, Legs) and not spec.has_automatic_legs:
+        faults = [] if spec.is_complete_mesh else _pair_faults(legs, shape.size)
     else:
         faults = _list_faults(place_legs(spec), shape.size)
     if not faults and spec.body.flat:
@@ -117,7 +117,7 @@ def check_buildable(spec: WalkerSpec) -> None:
         faults += _mark_faults(spec, shape.size)
     if not faults and spec.parts:
         foot_height = min(limb.foot_height for limb in place_legs(spec))
-        faults = place_problems(spec.parts, spec.fit, shape.size, foot_height)
+        faults = place_problems(spec.parts, spec.pocket_settings, shape.size, foot_height)
     if spec.pockets is not None and not spec.parts:
         faults.append(
             "pockets = ...: there is no motor or battery. Add a table [motor] or [battery], or remove [pockets]."
@@ -128,7 +128,7 @@ def check_buildable(spec: WalkerSpec) -> None:
 
 def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
     """Suggest automatic placement if two equal legs do not fit at their given positions."""
-    if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
+    if not isinstance(spec.legs, Legs) or spec.has_automatic_legs or spec.is_complete_mesh:
         return []
     return load_readers().auto_remedies(spec.body, spec.legs)
 

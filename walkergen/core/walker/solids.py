@@ -120,7 +120,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
     """
     from walkergen.core.walker import pockets
 
-    if design.whole:
+    if design.is_complete_mesh:
         roots = [
             leg.shift(_anchor_corner(limb, design.size.depth))
             for limb, leg in zip(design.limbs, solid.legs, strict=True)
@@ -140,8 +140,8 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 
     `Solids.walker` is the union of body and legs if `united`. Otherwise they may be separate pieces of it.
     """
-    if design.shape.whole is not None:
-        return _finished_solids(design.shape.whole, design)
+    if design.shape.finished is not None:
+        return _finished_solids(design.shape.finished, design)
     if not design.body.plain:
         return _build_any_body(design, foot_segments, united)
     body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
@@ -166,7 +166,7 @@ def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
     """Return the solids of a mesh that was a finished walker, each leg shifted so that its anchor is the origin."""
     depth = design.size.depth
     legs = [leg.shift(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
-    return Solids(finished.whole, finished.body, tuple(legs))
+    return Solids(finished.mesh, finished.body, tuple(legs))
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
@@ -349,7 +349,7 @@ def mass_of(design: Design) -> MassProperties:
 def _assemble_and_check(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
     """Return the mass properties of body, legs and cap together. Raises GeometryError if the walker falls over."""
     whole = assemble(design, body, legs, cap)
-    if not design.pair:
+    if not design.has_legs_table:
         mass.check_support(design.limbs, whole)
     return whole
 

@@ -232,7 +232,7 @@ class WalkerSpec(Section):
         return self.motor
 
     @property
-    def fit(self) -> Pockets:
+    def pocket_settings(self) -> Pockets:
         """Settings of the pockets that hold the walker's parts: clearance, channel, wires and glue."""
         return self.pockets or Pockets()
 
@@ -248,7 +248,7 @@ class WalkerSpec(Section):
         if isinstance(self.legs, Legs):
             return self.legs.tilt_deg
         first = self.legs[0]
-        if self.follows or first.tilt_deg is None:
+        if self.has_family_tilt or first.tilt_deg is None:
             return self.followed_tilt_deg
         return 0.0 - first.tilt_deg if first.mirrored else first.tilt_deg
 
@@ -258,30 +258,30 @@ class WalkerSpec(Section):
         return DEFAULT_TILT_DEG if self.leg_tilt_deg is None else self.leg_tilt_deg
 
     @property
-    def follows(self) -> bool:
+    def has_family_tilt(self) -> bool:
         """Whether at least one leg has the family's tilt."""
         if isinstance(self.legs, Legs):
-            return not self.whole
+            return not self.is_complete_mesh
         return any(leg.tilt_deg is None for leg in self.legs)
 
     @property
-    def whole(self) -> bool:
+    def is_complete_mesh(self) -> bool:
         """Whether the body is a mesh of a finished walker, cut into body and legs."""
         return self.body.legs_below_mm is not None
 
     @property
-    def pair(self) -> bool:
+    def has_legs_table(self) -> bool:
         """Whether the legs are two equal ones in the short form, [legs]."""
-        return isinstance(self.legs, Legs) and not self.whole
+        return isinstance(self.legs, Legs) and not self.is_complete_mesh
 
     @property
-    def placed(self) -> bool:
+    def has_automatic_legs(self) -> bool:
         """Whether legs are placed automatically (`readers.walkers.leg_placement`)."""
-        if not isinstance(self.legs, Legs) or self.whole:
+        if not isinstance(self.legs, Legs) or self.is_complete_mesh:
             return False
         shaped = self.body.flat or self.body.mesh is not None
         written = self.legs.model_fields_set & set(PLACEMENT_KEYS)
-        return self.legs.place == "auto" or (self.legs.place is None and shaped and not written)
+        return self.legs.placement == "auto" or (self.legs.placement is None and shaped and not written)
 
     @property
     def letters(self) -> str:

@@ -223,7 +223,7 @@ def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> De
         else:
             tables["pockets"][f"{name}_g"] = grams.number
     changed_tables = {
-        key: (design.fit if key == "pockets" else design.parts[key]).model_copy(update=table)
+        key: (design.pocket_settings if key == "pockets" else design.parts[key]).model_copy(update=table)
         for key, table in tables.items()
     }
     return design.model_copy(update=changed_tables)

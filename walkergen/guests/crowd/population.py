@@ -9,10 +9,10 @@ import numpy as np
 from walkergen.core import ENDED_WELL, Array, Design, InputError, MassProperties, Scene
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.request import CrowdRequest
-from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.space.placing import place_outlines
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdFilm, CrowdStatistics
-from walkergen.guests.crowd.statistics.film import from_places
+from walkergen.guests.crowd.statistics.film import from_positions
 from walkergen.guests.crowd.statistics.summary import MIN_FRAMES
 from walkergen.points import effect_selection
 from walkergen.points.trajectory import check_sample_count
@@ -102,7 +102,7 @@ def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
     """
     outlines = {kind.name: kind.outline for kind in population.kinds}
     names = [population.kinds[number].name for number in population.numbers]
-    return from_places(times, poses, names, outlines, population.scene.crowd.dish)
+    return from_positions(times, poses, names, outlines, population.scene.crowd.dish)
 
 
 def check_population(request: CrowdRequest, population: Population) -> None:
@@ -129,4 +129,4 @@ def place_walkers(population: Population, contours: Sequence[Sequence[Array]], n
     """
     stream = np.random.SeedSequence([population.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
     outlines = [contours[kind] for kind in population.numbers]
-    return place(outlines, population.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)
+    return place_outlines(outlines, population.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)

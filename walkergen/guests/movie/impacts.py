@@ -10,7 +10,7 @@ from matplotlib.text import Text
 
 from walkergen.core import Array
 from walkergen.core.theory.impact import Kind
-from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, Place
+from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, PixelBox
 from walkergen.guests.movie.shot import Impact, Shot, format_pace
 
 Dashes = str | tuple[float, tuple[float, ...]]
@@ -98,7 +98,7 @@ class Course(NamedTuple):
     """Heights at the times of the shot, shape (n,), mm."""
 
 
-def draw_heights(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
+def draw_heights(canvas: Canvas, place: PixelBox, shot: Shot, feet: list[Course]) -> Line2D:
     """Draw the heights of plate and feet over time with all impacts. Return the line that marks the current time.
 
     `place`: rectangle of the plot, pixels. `feet`: curves of the corners, in the order of the numbers in `Impact.foot`.

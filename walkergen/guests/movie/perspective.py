@@ -16,7 +16,7 @@ from matplotlib.text import Text
 
 from walkergen.core import Array
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import BODY_COLOUR, INK, PLATE_COLOUR, SMALL_PT, Canvas, Place, nice_ceil
+from walkergen.files.canvas import BODY_COLOUR, INK, PLATE_COLOUR, SMALL_PT, Canvas, PixelBox, nice_ceil
 from walkergen.guests.movie import raster
 from walkergen.guests.movie.impacts import (
     AFTERGLOW_S,
@@ -35,9 +35,9 @@ from walkergen.guests.movie.impacts import (
 from walkergen.guests.movie.raster import Camera
 from walkergen.guests.movie.shot import Impact, Shot
 
-MAIN_PLACE = Place(10, 272, 780, 262)
-CLOSE_PLACE = Place(12, 12, 484, 214)
-STRIP_PLACE = Place(544, 42, 242, 166)
+MAIN_PLACE = PixelBox(10, 272, 780, 262)
+CLOSE_PLACE = PixelBox(12, 12, 484, 214)
+STRIP_PLACE = PixelBox(544, 42, 242, 166)
 """Places of the views."""
 
 ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
@@ -147,7 +147,7 @@ def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
 
 def _make_view(
     canvas: Canvas,
-    place: Place,
+    place: PixelBox,
     points: Array,
     area: tuple[tuple[float, float], tuple[float, float]],
     longest: float,

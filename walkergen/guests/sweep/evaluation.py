@@ -64,7 +64,7 @@ class _Slot(NamedTuple):
 
     done: Done | None
     task: _Task | None = None
-    place: int = 0
+    position: int = 0
 
 
 def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
@@ -210,4 +210,4 @@ def _finish_slot(slot: _Slot) -> Done:
         return slot.done
     assert slot.task is not None
     _, records = slot.task.future.result()
-    return Done(list(slot.task.points)[slot.place], records[slot.place], False)
+    return Done(list(slot.task.points)[slot.position], records[slot.position], False)

@@ -87,7 +87,7 @@ def _mesh_shape(body: Body) -> Shape:
     if body.legs_below_mm is not None:
         cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(mesh, body.legs_below_mm))
         mesh = cut.body
-        finished = FinishedWalker(cut.whole, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
+        finished = FinishedWalker(cut.mesh, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
     return Shape(_mesh_size(mesh), None, (), mesh, body_file.sha256, body_file.changes, finished)
 
 

@@ -56,7 +56,7 @@ class CutWalker(NamedTuple):
     body: Mesh
     legs: tuple[CutLeg, ...]
     """Legs from back to front. Legs side by side are in the order of their z."""
-    whole: Mesh
+    mesh: Mesh
     """Walker before the cut."""
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
@@ -102,7 +102,7 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
             )
             for leg in cut.legs
         ),
-        cut.whole.shift(shift),
+        cut.mesh.shift(shift),
     )
 
 

@@ -104,7 +104,7 @@ def find_placement(body_key: str, legs_key: str) -> Placement:
         return _place_legs(body, legs)
     except GeometryError as error:
         mistake = UnplacedError(
-            f"legs.place: {error.text}", "legs.place", helps=partial(_find_remedies, body_key, legs_key)
+            f"legs.placement: {error.text}", "legs.placement", helps=partial(_find_remedies, body_key, legs_key)
         )
         mistake.body, mistake.legs = body, legs
         raise mistake from None
@@ -184,8 +184,8 @@ def _drop_other_size(remedy: Remedy) -> Remedy:
 
 def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
     """Suggest automatic placement of the legs, if it works."""
-    auto_legs = legs.model_copy(update={"place": "auto"})
-    return [Remedy("place the legs automatically", {"legs.place": "auto"})] if _can_stand(body, auto_legs) else []
+    auto_legs = legs.model_copy(update={"placement": "auto"})
+    return [Remedy("place the legs automatically", {"legs.placement": "auto"})] if _can_stand(body, auto_legs) else []
 
 
 def _other_orientations(body: Body) -> list[dict[str, Any]]:

@@ -32,11 +32,11 @@ from walkergen.core.simulation.effects.slope import Gravity
 from walkergen.core.simulation.effects.sway import Sway
 
 COMMON_RULES: tuple[Rule, ...] = (
-    Rule(legs.judge_tensor),
-    Rule(legs.judge_compliance),
-    Rule(always_on.judge_sticking),
-    Rule(always_on.judge_sustained_contact),
-    Rule(always_on.judge_pitch),
+    Rule(legs.decide_tensor),
+    Rule(legs.decide_compliance),
+    Rule(always_on.decide_sticking),
+    Rule(always_on.decide_sustained_contact),
+    Rule(always_on.decide_pitch),
     harmonic.RULE,
     slope.RULE,
     turning.RULE,
@@ -44,10 +44,10 @@ COMMON_RULES: tuple[Rule, ...] = (
     feet.RULE,
     feet.UNEVENNESS_RULE,
     roughness.RULE,
-    Rule(always_on.judge_neighbours),
+    Rule(always_on.decide_neighbours),
     air_drag.RULE,
 )
-"""Rules that are judged in every scene, in the order that `explain` shows."""
+"""Rules that apply to every scene, in the order that `explain` shows."""
 
 RARE_RULES: tuple[tuple[Callable[[Scene], object], tuple[Rule, ...]], ...] = (
     (lambda scene: scene.arena.kind == "lane", (walls.RULE,)),
@@ -56,7 +56,7 @@ RARE_RULES: tuple[tuple[Callable[[Scene], object], tuple[Rule, ...]], ...] = (
     (lambda scene: scene.plate.sways, sway.RULES),
     (lambda scene: scene.drive.kind == "motor", motor.RULES),
 )
-"""Rules that are judged only in the scenes that meet a condition, or force one of them on."""
+"""Rules that apply only to scenes that meet a condition, or force one of them on."""
 
 RARE_EFFECTS = (walls.NAME, walls.LID, noise.NAME, *sway.NAMES, motor.NAME, motor.GYROSCOPIC)
 """Names of the effects of these rules."""

@@ -49,10 +49,10 @@ def parameters(case: Case) -> Air:
     return Air(*(scale * face for face in (*faces, size.length * size.thickness)))
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether air drag is simulated: only if forced. Its number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
-    forced, speed = scene.effects.forced_state(SWITCH), case.shaken.peak_speed
+    forced, speed = scene.effects.forced_state(SWITCH), case.equivalent_drive.peak_speed
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FAST_SPEED_RATIO * speed) ** 2, air.sides * speed**2) / friction
     reason = "small" if number < SMALL_DRAG_RATIO else f"NOT small: force it with {forced_effect_line(SWITCH, True)}"
@@ -60,7 +60,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, number, "drag over friction, for a fast walker", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
+RULE = Rule(decide, SWITCH, typical_values={f"effects.{SWITCH}": True})
 
 
 @kernel

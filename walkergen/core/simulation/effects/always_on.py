@@ -9,7 +9,7 @@ RARE_CONTACT_GAMMA = 50.0
 """Peak acceleration over g above which feet hardly rest on the plate."""
 
 
-def judge_sticking(case: Case) -> Effect:
+def decide_sticking(case: Case) -> Effect:
     """Return the effect "sticking in impacts" (docs/physics.md section 3): on if friction can hold a foot."""
     friction = case.scene.contact.friction
     ratios = [
@@ -25,14 +25,14 @@ def judge_sticking(case: Case) -> Effect:
     return Effect("sticking in impacts", on, number, meaning, reason, "")
 
 
-def judge_sustained_contact(case: Case) -> Effect:
+def decide_sustained_contact(case: Case) -> Effect:
     """Return the effect "sustained contact", always on. Its number is the plate's peak acceleration over g."""
-    gamma = case.shaken.peak_gamma
+    gamma = case.equivalent_drive.peak_gamma
     reason = "bounces die out and feet rest on the plate" if gamma < RARE_CONTACT_GAMMA else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 
 
-def judge_pitch(case: Case) -> Effect:
+def decide_pitch(case: Case) -> Effect:
     """Return the effect "pitch" (turning in side view), always on. Its number is foot spacing over body length."""
     number = case.design.foot_span / case.design.size.length
     return Effect("pitch", True, number, "contact spacing over body length", _format_foot_count(case), "")
@@ -44,7 +44,7 @@ def _format_foot_count(case: Case) -> str:
     return {1: "one foot", 2: "two feet"}.get(count, f"{count} feet")
 
 
-def judge_neighbours(case: Case) -> Effect:
+def decide_neighbours(case: Case) -> Effect:
     """Return the effect "neighbours", always off here. Number: how far feet stick out of the body, over its length."""
     size, overhang = case.design.size, 0.0
     for limb in case.design.limbs:

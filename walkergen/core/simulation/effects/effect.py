@@ -12,14 +12,14 @@ from walkergen.core.walker.mass import MassProperties
 
 
 class Case(NamedTuple):
-    """Scene and walker that a rule judges."""
+    """Scene and walker for which a rule decides on an effect."""
 
     scene: Scene
     design: Design
     mass: MassProperties
 
     @property
-    def shaken(self) -> Drive:
+    def equivalent_drive(self) -> Drive:
         """Drive of the plate. For a walker with a motor: the drive of a plate that would move it in the same way."""
         return self.scene.drive.equivalent_plate_drive(float(self.mass.total))
 
@@ -40,23 +40,23 @@ class Effect(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """How an effect is judged, and its keys in a scene."""
+    """How to decide on an effect, and its keys in a scene."""
 
-    judge: Callable[[Case], Effect]
+    decide: Callable[[Case], Effect]
     """The effect in a case. Raises InputError where the scene contradicts itself or the design."""
     switch: str = ""
     """Name in effects.on and effects.off, or key of the scene, that forces it."""
-    away: Mapping[str, Any] = MappingProxyType({})
+    absent_values: Mapping[str, Any] = MappingProxyType({})
     """Values of the scene's keys that exclude it from a still plate, such as a bench's; empty if it remains."""
-    usual: Mapping[str, Any] = MappingProxyType({})
+    typical_values: Mapping[str, Any] = MappingProxyType({})
     """Values of keys that give an effect that is off its usual size; empty if it has none."""
-    without: Mapping[str, Any] = MappingProxyType({})
+    off_values: Mapping[str, Any] = MappingProxyType({})
     """Values of keys that switch it off; empty if its switch in effects.off does."""
 
     @property
     def off(self) -> Mapping[str, Any]:
         """Values of the scene's keys that switch the effect off. Empty for an effect that cannot be switched."""
-        return self.without or ({f"effects.{self.switch}": False} if self.switch else {})
+        return self.off_values or ({f"effects.{self.switch}": False} if self.switch else {})
 
 
 def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:

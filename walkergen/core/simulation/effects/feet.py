@@ -96,21 +96,21 @@ def landing_stiffness(tip: float, mass: float, speed: float) -> float:
     return math.inf if math.isinf(tip) else 1.5 * tip * math.sqrt(landing_depth(tip, mass, speed, GRAVITY * mass))
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether tips are elastic. The number is a leg corner's stiffness over its tip's, at a landing."""
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:
         tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))
-        pressed_stiffness = landing_stiffness(tip, mass, LANDING_SPEED_RATIO * case.shaken.peak_speed)
+        pressed_stiffness = landing_stiffness(tip, mass, LANDING_SPEED_RATIO * case.equivalent_drive.peak_speed)
         ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / pressed_stiffness
     return Effect(NAME, not rigid, ratio, meaning, f"{KEY} = {str(rigid).lower()}", KEY)
 
 
-RULE = Rule(judge, without={KEY: True})
+RULE = Rule(decide, off_values={KEY: True})
 
 
-def judge_unevenness(case: Case) -> Effect:
+def decide_unevenness(case: Case) -> Effect:
     """Decide whether the feet's corners differ in height. The number is their standard deviation over the amplitude.
 
     Raises InputError for corners that differ as much as legs are long.
@@ -124,12 +124,12 @@ def judge_unevenness(case: Case) -> Effect:
             f"feet.unevenness_um = {height:g}: must lie in 0..{most:g} for legs of "
             f"{shortest:g} mm; prints differ by some 10 um"
         )
-    amplitude = 1e3 * case.shaken.amplitude
+    amplitude = 1e3 * case.equivalent_drive.amplitude
     meaning = "standard deviation of corners' heights over the plate's amplitude"
     return Effect(UNEVENNESS, on, height / amplitude, meaning, reason, UNEVENNESS)
 
 
-UNEVENNESS_RULE = Rule(judge_unevenness, UNEVENNESS, usual={UNEVENNESS_KEY: 10.0})
+UNEVENNESS_RULE = Rule(decide_unevenness, UNEVENNESS, typical_values={UNEVENNESS_KEY: 10.0})
 
 
 def sample_heights(case: Case, corners: int, rng: np.random.Generator) -> Array:

@@ -26,14 +26,14 @@ OFF = Harmonic(0.0, 0.0)
 """A plain sine."""
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether the drive has a second harmonic. The number is its amplitude over the fundamental's."""
     ratio = case.scene.drive.second_harmonic_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.2})
+RULE = Rule(decide, SWITCH, absent_values={KEY: 0.0}, typical_values={KEY: 0.2})
 
 
 def parameters(case: Case) -> Harmonic:

@@ -25,7 +25,7 @@ CANTILEVER_FACTOR = 3.0
 """Torsional stiffness times length over E I that gives a cantilever's static tip stiffness (physics.md, 5)."""
 
 
-def judge_tensor(case: Case) -> Effect:
+def decide_tensor(case: Case) -> Effect:
     """Return the effect "flexible foot tensor": on for flexible legs. The number is a leg's mass over the body's."""
     if case.design.rigid:
         return Effect(TENSOR, False, 0.0, f"legs are {case.design.kind}", "the rigid tensor is exact", "")
@@ -34,7 +34,7 @@ def judge_tensor(case: Case) -> Effect:
     return Effect(TENSOR, True, ratio, meaning, "part of the chain of body and legs", "")
 
 
-def judge_compliance(case: Case) -> Effect:
+def decide_compliance(case: Case) -> Effect:
     """Return the effect "leg compliance": on if legs swing. Number: slowest leg's frequency over the drive's."""
     scene, design = case.scene, case.design
     if design.rigid:
@@ -49,7 +49,7 @@ def judge_compliance(case: Case) -> Effect:
     return Effect(COMPLIANCE, True, ratio, meaning, "legs swing", "")
 
 
-def judge_twist(case: Case) -> Effect:
+def decide_twist(case: Case) -> Effect:
     """Decide whether legs twist: on for flexible legs. The number is the lowest twist frequency over the drive's."""
     design = case.design
     if design.rigid:
@@ -66,7 +66,7 @@ def judge_twist(case: Case) -> Effect:
     return Effect(TWIST, on, ratio, "frequency of a leg's twist over the drive's", reason, TWIST_SWITCH)
 
 
-TWIST_RULE = Rule(judge_twist, TWIST_SWITCH, usual={f"effects.{TWIST_SWITCH}": True})
+TWIST_RULE = Rule(decide_twist, TWIST_SWITCH, typical_values={f"effects.{TWIST_SWITCH}": True})
 
 
 def _describe_slowest(frequencies: Mapping[str, float]) -> str:

@@ -45,7 +45,7 @@ class Rotor(NamedTuple):
     """Unit vector to the unbalanced mass at phase 0, body axes."""
     second: Vector
     """The same a quarter turn later."""
-    place: Vector
+    position: Vector
     """Middle of the motor from O at half depth, mm."""
     spin: Vector
     """Angular momentum of the rotor about its axis, g mm^2/s; 0 if it is left out."""
@@ -55,7 +55,7 @@ OFF = Rotor(0.0, 1.0, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0
 """No motor."""
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether a motor drives the walker. The number is its push over the walker's weight.
 
     Raises InputError for a walker without a motor, and for an eccentric moment that is too large.
@@ -80,7 +80,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, True, number, meaning, "drive.kind = 'motor'", "")
 
 
-def judge_gyroscopic(case: Case) -> Effect:
+def decide_gyroscopic(case: Case) -> Effect:
     """Decide whether the rotor's angular momentum counts. The number is its inertia over the walker's smallest."""
     forced, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
@@ -92,7 +92,7 @@ def judge_gyroscopic(case: Case) -> Effect:
     return Effect(GYROSCOPIC, on, number, meaning, reason, SWITCH)
 
 
-RULES = (Rule(judge), Rule(judge_gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True}))
+RULES = (Rule(decide), Rule(decide_gyroscopic, SWITCH, typical_values={f"effects.{SWITCH}": True}))
 
 
 def _rotor_inertia(case: Case) -> float:
@@ -134,9 +134,9 @@ def parameters(case: Case, with_gyroscopic_torque: bool, can_turn: bool) -> Roto
 
 def _restrict_to_plane(rotor: Rotor) -> Rotor:
     """Return the rotor without the components across the plane in which its walker is held."""
-    (f_x, f_y, _), (s_x, s_y, _), (x, y, _) = rotor.first, rotor.second, rotor.place
+    (f_x, f_y, _), (s_x, s_y, _), (x, y, _) = rotor.first, rotor.second, rotor.position
     return rotor._replace(
-        first=(f_x, f_y, 0.0), second=(s_x, s_y, 0.0), place=(x, y, 0.0), spin=(0.0, 0.0, rotor.spin[2])
+        first=(f_x, f_y, 0.0), second=(s_x, s_y, 0.0), position=(x, y, 0.0), spin=(0.0, 0.0, rotor.spin[2])
     )
 
 
@@ -170,7 +170,7 @@ def swing(rotor, mass, phase, swung):
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
     """Return the moment about C of `mass` (x, y, z), a force or momentum at the rotor's place. `centre`: C -> O, mm."""
-    p_x, p_y, p_z = (rotor.place[0] + centre[0], rotor.place[1] + centre[1], rotor.place[2] + centre[2])
+    p_x, p_y, p_z = (rotor.position[0] + centre[0], rotor.position[1] + centre[1], rotor.position[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
 

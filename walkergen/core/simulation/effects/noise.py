@@ -50,7 +50,7 @@ OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 """No noise: no samples."""
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether the plate is noisy. The number is the noise's rms velocity over the drive's peak speed."""
     ratio = case.scene.plate.noise_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
@@ -59,7 +59,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.3})
+RULE = Rule(decide, SWITCH, absent_values={KEY: 0.0}, typical_values={KEY: 0.3})
 
 
 def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
@@ -81,7 +81,7 @@ def sample_noise(case: Case, rng: np.random.Generator) -> Noise:
     count, interval, first, last = _frequency_grid(case)
     spectrum = np.zeros(count // 2 + 1, complex)
     spectrum[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
-    rms_velocity = case.scene.plate.noise_ratio * case.shaken.peak_speed
+    rms_velocity = case.scene.plate.noise_ratio * case.equivalent_drive.peak_speed
     velocity = np.fft.irfft(spectrum, count)
     scale = rms_velocity / math.sqrt(float(np.mean(velocity**2)))
     omega = 2.0 * math.pi * np.fft.rfftfreq(count, interval)

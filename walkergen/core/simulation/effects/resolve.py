@@ -44,7 +44,7 @@ def resolve(case: Case) -> Resolved:
     Raises InputError where the scene's choices contradict each other or the design.
     """
     _check_arena_size(case.scene, case.design)
-    effects = tuple(rule.judge(case) for rule in applicable_rules(case))
+    effects = tuple(rule.decide(case) for rule in applicable_rules(case))
     on = _effect_states(effects)
     _check_headings(case.scene, on[turning.NAME])
     return Resolved(effects, acting_parameters(case, on), describe_idle_keys(case, on))
@@ -53,8 +53,8 @@ def resolve(case: Case) -> Resolved:
 def without_plate_effects(scene: Scene) -> Scene:
     """Return the scene without the effects that a still plate does not have, such as walls, slope or noise."""
     for rule in all_rules():
-        if rule.away:
-            scene = replace_without_validation(scene, {**rule.away, f"effects.{rule.switch}": None})
+        if rule.absent_values:
+            scene = replace_without_validation(scene, {**rule.absent_values, f"effects.{rule.switch}": None})
     return scene
 
 

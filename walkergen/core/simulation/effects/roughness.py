@@ -35,7 +35,7 @@ OFF = Roughness(np.zeros((0, 4)))
 """A flat plate: no waves."""
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether the plate is rough. The number is the rms slope of its bumps."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
@@ -48,7 +48,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, usual={KEY: 5.0})
+RULE = Rule(decide, SWITCH, typical_values={KEY: 5.0})
 
 
 def sample_surface(case: Case, rng: np.random.Generator) -> Roughness:

@@ -23,7 +23,7 @@ class Gravity(NamedTuple):
     """Component of gravity along the plate, toward +x."""
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether the plate slopes. The number is its slope over the friction coefficient."""
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
@@ -32,7 +32,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, number, "slope over friction", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 2.0})
+RULE = Rule(decide, SWITCH, absent_values={KEY: 0.0}, typical_values={KEY: 2.0})
 
 
 def gravity_of(slope: float, size: float = GRAVITY) -> Gravity:

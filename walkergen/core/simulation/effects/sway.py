@@ -50,25 +50,25 @@ OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 """A plate that moves up and down equally everywhere."""
 
 
-def judge_along(case: Case) -> Effect:
+def decide_along(case: Case) -> Effect:
     """Decide whether the plate moves horizontally. A resting body slides if the number is above 1."""
     on, reason = _decide_from_key(case, ALONG_KEY, "plate_along")
-    shaken = math.hypot(*case.scene.plate.horizontal_ratio) * case.shaken.peak_gamma
+    shaken = math.hypot(*case.scene.plate.horizontal_ratio) * case.equivalent_drive.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
     return Effect(ALONG, on, shaken / max(case.scene.contact.friction, 1e-9), meaning, reason, "plate_along")
 
 
-def judge_gradient(case: Case) -> Effect:
+def decide_gradient(case: Case) -> Effect:
     """Decide whether the drive's amplitude differs from place to place."""
-    return _judge_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
+    return _decide_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
 
 
-def judge_rocking(case: Case) -> Effect:
+def decide_rocking(case: Case) -> Effect:
     """Decide whether the plate rocks."""
-    return _judge_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
+    return _decide_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
 
 
-def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
+def _decide_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
     """Decide on an effect of the plate that grows with distance from the start. Raises InputError if it is too large.
 
     `key` is its key in the scene, `switch` its name in effects.on and effects.off, `meaning` that of its number.
@@ -87,7 +87,7 @@ def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) ->
 def _max_distance(case: Case) -> float:
     """Return the largest distance (mm) that walkers may reach from the start: the ground's ends, or the fastest run."""
     arena, run = case.scene.arena, case.scene.run
-    distance = MAX_SPEED_RATIO * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
+    distance = MAX_SPEED_RATIO * case.equivalent_drive.peak_speed * (run.seconds + run.discard_seconds)
     ends = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
     return min(distance, ends[0] if arena.kind == "lane" else math.hypot(*ends))
 
@@ -104,9 +104,9 @@ def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
 
 
 RULES = (
-    Rule(judge_along, "plate_along", away={ALONG_KEY: STILL}, usual={ALONG_KEY: USUAL}),
-    Rule(judge_gradient, "plate_gradient", away={GRADIENT_KEY: STILL}, usual={GRADIENT_KEY: USUAL}),
-    Rule(judge_rocking, "plate_rocking", away={ROCKING_KEY: STILL}, usual={ROCKING_KEY: USUAL}),
+    Rule(decide_along, "plate_along", absent_values={ALONG_KEY: STILL}, typical_values={ALONG_KEY: USUAL}),
+    Rule(decide_gradient, "plate_gradient", absent_values={GRADIENT_KEY: STILL}, typical_values={GRADIENT_KEY: USUAL}),
+    Rule(decide_rocking, "plate_rocking", absent_values={ROCKING_KEY: STILL}, typical_values={ROCKING_KEY: USUAL}),
 )
 
 

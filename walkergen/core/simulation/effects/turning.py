@@ -9,7 +9,7 @@ from walkergen.core.simulation.effects.effect import Case, Effect, Rule, apply_s
 NAME, SWITCH = "yaw and roll", "roll_and_yaw"
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether the walker rolls and yaws: on unless forced off. The number is depth over contact spacing."""
     depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
@@ -18,4 +18,4 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, depth, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
+RULE = Rule(decide, SWITCH, typical_values={f"effects.{SWITCH}": True})

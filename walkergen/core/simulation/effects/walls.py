@@ -58,7 +58,7 @@ def _check_headings(case: Case) -> None:
             )
 
 
-def judge(case: Case) -> Effect:
+def decide(case: Case) -> Effect:
     """Decide whether the lane's walls act: if the walker may turn. The number is the turn that the lane allows, rad."""
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
@@ -66,7 +66,7 @@ def judge(case: Case) -> Effect:
         return Effect(NAME, False, 0.0, meaning, absence_reason(case, SWITCH, "the arena is a plane"), "")
     play = gap(case) - size.depth
     turn = min(play / size.length, 0.5 * math.pi)
-    if not turning.judge(case).on:
+    if not turning.decide(case).on:
         return Effect(NAME, False, turn, meaning, absence_reason(case, SWITCH, "the walker is held in its plane"), "")
     on, reason = apply_switch(case.scene.effects.forced_state(SWITCH), True, "the walker yaws")
     if on:
@@ -74,10 +74,10 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, turn, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={"arena": Arena(kind="plane")}, usual={"arena.kind": "lane"})
+RULE = Rule(decide, SWITCH, absent_values={"arena": Arena(kind="plane")}, typical_values={"arena.kind": "lane"})
 
 
-def judge_lid(case: Case) -> Effect:
+def decide_lid(case: Case) -> Effect:
     """Decide whether a lid acts. The number is the height of a throw at the plate's peak speed over the space above.
 
     Raises InputError where the walker does not fit.
@@ -87,7 +87,7 @@ def judge_lid(case: Case) -> Effect:
     wanted = case.scene.arena.lid_mm
     if wanted is None:
         return Effect(LID, on, 0.0, meaning, reason, LID)
-    size, shaken = case.design.size, case.shaken
+    size, shaken = case.design.size, case.equivalent_drive
     height = 0.5 * size.thickness - min(limb.foot_height for limb in case.design.limbs)
     least = height + DROP_AMPLITUDES * shaken.amplitude + TILT_ALLOWANCE_RAD * max(size.length, size.depth)
     if on and wanted < least:
@@ -99,4 +99,4 @@ def judge_lid(case: Case) -> Effect:
     return Effect(LID, on, hop / max(wanted - height, 1e-9), meaning, reason, LID)
 
 
-LID_RULE = Rule(judge_lid, LID, away={LID_KEY: None})
+LID_RULE = Rule(decide_lid, LID, absent_values={LID_KEY: None})

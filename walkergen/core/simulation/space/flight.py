@@ -153,7 +153,7 @@ def clear_time(world, state, work, longest):
     """Return a time (s), at most `longest`, in which no contact can close; set `work.points[k].clear` of contact k."""
     walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
-    leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
+    leg, place, first, time = walker.leg, walker.wall_distance, first_row(walker), longest
     plate_speed, surface_slope = plate_velocity(world, state), _roughness_slope_bound(world.acting.roughness)
     plate_fall = gravity_into(world.acting) + max_plate_acceleration(world)
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)

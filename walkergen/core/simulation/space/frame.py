@@ -16,7 +16,7 @@ from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.flight import lag_torque, pass_time
-from walkergen.core.simulation.space.pose import locate, place, plate_sway, surface_normal, turn
+from walkergen.core.simulation.space.pose import locate, plate_sway, surface_normal, turn, update_pose
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 from walkergen.core.simulation.world import acceleration
 
@@ -143,7 +143,7 @@ def fill_midpoint_pose(world, state, work, t):
     w = work.now
     turn(middle, 0.5 * t * w[3], 0.5 * t * w[4], 0.5 * t * w[5])
     pass_time(world, middle, 0.5 * t)
-    place(world, middle, work)
+    update_pose(world, middle, work)
     locate(world, middle, work)
 
 
@@ -170,7 +170,7 @@ def _fill_directions(world, state, work, near, plate_speed, t, m):
     """
     walker, R, J, points = world.walker, work.R, work.J, work.points
     upward_acceleration = plate_acceleration(world, state)
-    friction, place = walker.friction, walker.place
+    friction, place = walker.friction, walker.wall_distance
     shift, lock, leg, f, upward = (walker.shift, walker.lock, walker.leg, walker.freedoms, walker.upward)
     roughness, has_motor = world.acting.roughness, _motor_acts(world.acting.motor)
     sway, tilted = _sways(world.acting.sway), plate_sway(world, state)

@@ -18,7 +18,7 @@ from walkergen.core.simulation.effects.feet import UNEVENNESS, sample_heights
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.flight import legs_energy
 from walkergen.core.simulation.space.points import mirror_order
-from walkergen.core.simulation.space.pose import locate, place, plate_velocity, point_velocity
+from walkergen.core.simulation.space.pose import locate, plate_velocity, point_velocity, update_pose
 from walkergen.core.simulation.space.state import (
     ACROSS,
     ALONG,
@@ -72,17 +72,17 @@ def initial_state(
     if heading:
         turn_to(state, heading)
     state[PHASE] = phase
-    if (walled := world.walker.place > 0.0).any():  # the body's middle in the lane's, wherever its centre of mass is
+    if (walled := world.walker.wall_distance > 0.0).any():  # the lane's middle is the body's, not that of its mass
         edges = world.walker.root[walled]
         sides = math.cos(heading) * edges[:, 2] - math.sin(heading) * edges[:, 0]
         state[C_Z] = 0.0 - 0.5 * (sides.min() + sides.max())
     work = work_for(world.walker, state)
-    place(world, state, work)
+    update_pose(world, state, work)
     _set_motor_rates(world, state, work)
     locate(world, state, work)
-    gaps = work.points["gap"][world.walker.place == 0.0]
+    gaps = work.points["gap"][world.walker.wall_distance == 0.0]
     state[C_Y] += clearance - float(gaps.min())
-    place(world, state, work)
+    update_pose(world, state, work)
     return state
 
 
@@ -101,7 +101,7 @@ def _set_motor_rates(world: World, state: State, work: Work) -> None:
         still = rotor._replace(spin=(0.0, 0.0, 0.0))
         turning = motors.spin(still, walker.centre, walker.mass, work.thrown)
         state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(turning)
-        place(world, state, work)
+        update_pose(world, state, work)
 
 
 @kernel
@@ -110,7 +110,7 @@ def energy(world, state):
     walker = world.walker
     copy = state.copy()
     work = work_for(walker, state)
-    place(world, copy, work)
+    update_pose(world, copy, work)
     locate(world, copy, work)
     total = legs_energy(walker, state)
     for i in range(3):
@@ -136,9 +136,9 @@ def feet(world: World, state: State) -> Array:
     """
     work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
     f = walker.freedoms
-    place(world, copy, work)
+    update_pose(world, copy, work)
     locate(world, copy, work)
-    corners = int(np.count_nonzero(walker.place == 0.0))
+    corners = int(np.count_nonzero(walker.wall_distance == 0.0))
     rows = np.zeros((corners, 4))
     for k in range(corners):
         velocity = work.R @ np.array(point_velocity(copy, work.now, work.points, walker.shift, walker.leg[k], f, k))
@@ -172,7 +172,7 @@ def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Ge
     """Return the world of one run: with its own printed feet and plate, drawn if the scene requires it."""
     walker, acting = world.walker, world.acting
     if resolved.is_on(UNEVENNESS):
-        corners = walker.place == 0.0
+        corners = walker.wall_distance == 0.0
         heights = sample_heights(case, int(corners.sum()), rng)
         on_body = walker.leg[corners] < 0  # of braced legs
         root, reach = walker.root.copy(), walker.reach.copy()

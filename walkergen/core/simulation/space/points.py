@@ -46,7 +46,7 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
     mm. `free`: numbers of the legs that swing.
     """
     design, mass = case.design, case.mass
-    rows: list[Any] = []  # of leg, root, reach, side, axis, place (see `Walker`) and foot
+    rows: list[Any] = []  # of leg, root, reach, side, axis, wall distance (see `Walker`) and foot
     for number, (limb, leg) in enumerate(zip(design.limbs, mass.legs, strict=True)):
         foot, axis, half = leg.c_A + leg.c_T, leg_axis(limb)[:2], 0.5 * limb.width
         for side in (-half, half):
@@ -67,17 +67,17 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
         for top in _lid_points(design):
             root = np.array([*to_centre_frame(design.limbs, mass, top[:2]), top[2]]) - centre
             rows.append((-1, root, NO_REACH, 0.0, NO_REACH, -case.scene.arena.lid_mm, -1))
-    keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
+    keys = ("leg", "root", "reach", "side", "axis", "wall_distance", "foot")
     return {key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)}
 
 
 def mirror_order(walker: Walker) -> Any:
     """Return the numbers of a walker's contact points in the order of its mirror image's points, shape (k,).
 
-    Corners of feet (`place` 0) come first, then points that touch walls (> 0) or a lid (< 0).
+    Corners of feet (`wall_distance` 0) come first, then points that touch walls (> 0) or a lid (< 0).
     """
-    feet = np.flatnonzero(walker.place == 0.0).reshape(-1, 2)[::-1].ravel()
-    others = [np.flatnonzero(kind) for kind in (walker.place > 0.0, walker.place < 0.0)]
+    feet = np.flatnonzero(walker.wall_distance == 0.0).reshape(-1, 2)[::-1].ravel()
+    others = [np.flatnonzero(kind) for kind in (walker.wall_distance > 0.0, walker.wall_distance < 0.0)]
     return np.concatenate([feet, *(kind[_order_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])
 
 

@@ -104,7 +104,7 @@ def rotation(state, R):
 
 
 @lean
-def place(world, state, work):
+def update_pose(world, state, work):
     """Fill `R`, `now`, `motion` and `thrown` of `work` from a state, and update the entries that a trajectory shows.
 
     Returns the change of the heading, rad.
@@ -178,31 +178,31 @@ def locate(world, state, work):
         point.at[0], point.at[1], point.at[2] = p_x, p_y, p_z
         x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z - s_x
         z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z - s_z
-        if walker.place[k] > 0.0:
-            point.gap = walker.place[k] - abs(z)
+        if walker.wall_distance[k] > 0.0:
+            point.gap = walker.wall_distance[k] - abs(z)
         else:
             y = state[C_Y] + R[1, 0] * p_x + R[1, 1] * p_y + R[1, 2] * p_z
             under = plate + (t_x * x + t_z * z)
-            if walker.place[k] < 0.0:
-                point.gap = under - walker.place[k] - y
+            if walker.wall_distance[k] < 0.0:
+                point.gap = under - walker.wall_distance[k] - y
             else:
                 bump, _, _ = _surface(world.acting.roughness, x, z)
                 point.gap = y - under - bump
 
 
 @lean
-def surface_normal(roughness, swayed, place, state, R, points, k):
+def surface_normal(roughness, swayed, wall_distance, state, R, points, k):
     """Return the normal of the surface at contact k, in the world. On the plate its vertical part is 1.
 
-    `place` is the contact's entry of `Walker.place`: distance of walls, 0 for the plate, negative for the lid. `swayed`
+    `wall_distance` is the contact's entry of `Walker.wall_distance`. `swayed`
     is the result of `plate_sway`, `R` the rotation from body axes to the world.
     """
     s_x, s_z, t_x, t_z = swayed
-    if place < 0.0:
+    if wall_distance < 0.0:
         return t_x, -1.0, t_z
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z - s_z
-    if place > 0.0:
+    if wall_distance > 0.0:
         return 0.0, 0.0, -1.0 if z > 0.0 else 1.0
     x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z - s_x
     _, slope_x, slope_z = _surface(roughness, x, z)

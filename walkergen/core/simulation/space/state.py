@@ -86,9 +86,9 @@ class Walker(NamedTuple):
     """Place of a point across its leg (zeta), shape (k,)."""
     axis: Array
     """Unit vectors anchor -> foot along the relaxed legs' centre lines, shape (k, 2)."""
-    place: Array
-    """Place |z| of the walls that a point may touch, shape (k,), mm; 0: it may touch the plate; below
-    0: the lid, so much lower than the plate as that is higher."""
+    wall_distance: Array
+    """What a point may touch, shape (k,), mm. Positive: walls at |z|. 0: the plate. Negative: minus the height of the
+    lid over the plate."""
     upward: Array
     """Upward component of a contact's directions (normal, along, across), shape (k, 3)."""
     friction: Array

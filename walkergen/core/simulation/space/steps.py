@@ -30,7 +30,7 @@ from walkergen.core.simulation.space.frame import (
     sway_work,
 )
 from walkergen.core.simulation.space.landings import advance_contact, end_landing
-from walkergen.core.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
+from walkergen.core.simulation.space.pose import locate, lowest_corner, plate_velocity, turn, update_pose
 from walkergen.core.simulation.space.resting import DOZE_PERIODS, count_rest_time, ride_on_plate
 from walkergen.core.simulation.space.state import (
     ACROSS,
@@ -67,7 +67,7 @@ def _turn_stretches(walker, state, turned):
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW_LENGTH * k
-        if state[at + MODE] != OPEN and walker.place[k] <= 0.0:
+        if state[at + MODE] != OPEN and walker.wall_distance[k] <= 0.0:
             a, b = state[at + ALONG], state[at + ACROSS]
             state[at + ALONG], state[at + ACROSS] = c * a - s * b, s * a + c * b
 
@@ -327,7 +327,7 @@ def advance_in(world, state, work, duration, tally):
         for k in range(len(walker.leg)):
             state[first_row(walker) + ROW_LENGTH * k + LANDED] = 0.0
     while True:
-        _turn_stretches(walker, state, place(world, state, work))
+        _turn_stretches(walker, state, update_pose(world, state, work))
         sums[record.ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - instant:
             take_sample(tally.samples, begin + t, state)

@@ -94,7 +94,7 @@ def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         shift=limbs.momentum / total,
         lock=lock,
         **points,
-        upward=_upward_components(points["place"]),
+        upward=_upward_components(points["wall_distance"]),
         friction=np.array([_point_friction(scene, design, foot) for foot in feet]),
         spring=np.zeros(0),
         tip=np.zeros(0),
@@ -163,7 +163,7 @@ def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
     """Return the legs' angles that a rotor forces in lasting flight, by cosine and sine of its phase, shape (2, n)."""
     omega, push = rotor.omega, rotor.moment * rotor.omega**2
     pushes = push * np.array([rotor.first, rotor.second])
-    torques = np.cross(rotor.place + walker.centre, pushes)
+    torques = np.cross(rotor.position + walker.centre, pushes)
     lag_torques = -(pushes @ walker.shift + torques @ walker.lock)
     stiff = np.diag(walker.stiffness) - omega**2 * walker.hinge_inertia
     turned = omega * np.diag(walker.damping)
@@ -190,7 +190,7 @@ def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker
     """Return the walker with elastic contacts and flights, and its steps. `feet_of_points`: leg of a point, or -1."""
     scene, material = case.scene, case.design.material
     of_legs = [feet.corner_contact(scene, limb, material) for limb in case.design.limbs]
-    H, wall = mobility(walker), walker.place != 0.0
+    H, wall = mobility(walker), walker.wall_distance != 0.0
     # Walls and lid are as stiff as the first leg's corners
     of_points = [of_legs[max(number, 0)] for number in feet_of_points]
     wall_ratio = feet.damping_ratio(scene.arena.wall_restitution)
@@ -204,7 +204,8 @@ def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker
         damper=2.0 * ratio / np.sqrt(np.where(own > 0.0, own, np.inf)),
     )
     period = 2.0 * math.pi / scene.drive.omega
-    own_step = _resolving_step(walker, H, feet.LANDING_SPEED_RATIO * case.shaken.peak_speed, MAX_STEP_PERIODS * period)
+    landing_speed = feet.LANDING_SPEED_RATIO * case.equivalent_drive.peak_speed
+    own_step = _resolving_step(walker, H, landing_speed, MAX_STEP_PERIODS * period)
     step = _choose_step(scene.run.step_us, own_step)
     frame = min(FRAME_STEPS, max(round(MAX_FRAME_PERIODS * period / own_step), 1))
     flights = _flight_propagators(walker, step, len(walker.stiffness), period)
@@ -216,7 +217,7 @@ def _resolving_step(walker: Walker, H: Array, speed: float, longest: float) -> f
 
     `H`: mobility of all contacts, shape (3 k, 3 k), 1/g.
     """
-    corners = np.flatnonzero(walker.place == 0.0)
+    corners = np.flatnonzero(walker.wall_distance == 0.0)
     share = walker.mass / len(corners)
     pressed = np.array([feet.landing_stiffness(tip, share, speed) for tip in walker.tip[corners]])
     stiff = 1.0 / (1.0 / walker.spring[corners] + 1.0 / pressed)
@@ -270,7 +271,7 @@ def mobility(walker: Walker) -> Array:
     for k, leg in enumerate(walker.leg):
         point = walker.root[k] + [*walker.reach[k], walker.side[k]]
         along, up, across = np.eye(3)
-        axes = (across, along, up) if walker.place[k] > 0.0 else (up, along, across)  # or down: the same mobility
+        axes = (across, along, up) if walker.wall_distance[k] > 0.0 else (up, along, across)
         for p, direction in enumerate(axes):
             turn = np.cross(point, direction)
             row = J[3 * k + p]

@@ -89,9 +89,9 @@ class Overdamped(Section):
 class Card(Section):
     """Properties of a walker for a crowd in a plane; None if not measured."""
 
-    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+    removed_keys: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("wall_alignment", "wall_turning_rad_s", "wall_torque_g_mm2_s2"),
-        "no crowd used it. Leave the key out; `walkergen crowd --count 1` measures a walker in a dish with walls",
+        "No crowd used it. Leave the key out. `walkergen crowd --count 1` measures a walker in a dish with walls.",
     )
 
     name: Name

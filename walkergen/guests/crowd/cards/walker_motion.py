@@ -95,7 +95,7 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
 def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
     """Return tracks of the centre of mass in simulated runs that ended well, and a text on how all runs ended."""
     experiment = Walker(scene, design, mass)
-    interval = 1.0 / experiment.shaken.frequency
+    interval = 1.0 / experiment.equivalent_drive.frequency
     trajectory.check_sample_count(scene, interval, scene.run.runs)
     results = walkers.simulate(experiment._replace(sample_interval=interval), progress)
     if results.partial:
@@ -106,7 +106,7 @@ def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progres
         raise InputError(f"no run ended well ({ended}). Use another scene, or other feet.")
     shift = centre_of_mass(mass)
     places = [shift_poses(trajectory.sample_rows(result)[:, 1:4], shift) for result in good]  # x, y, heading
-    return tracks.from_places(places, interval, lane=False), ended
+    return tracks.from_positions(places, interval, lane=False), ended
 
 
 def sideways_relaxation(sloping: Tracks, acceleration: float) -> Quantity:

@@ -45,7 +45,7 @@ SIMPLIFY_MM = 0.01
 """Largest distance (mm) of simplified outlines inside the true ones."""
 
 
-def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, clearance_mm: float) -> Array:
+def place_outlines(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, clearance_mm: float) -> Array:
     """Place walkers at random without overlap: x, y (mm) and heading (rad) of each origin O, shape (N, 3).
 
     `outlines`: contours of each walker, from O, equal walkers sharing one object. Any two are `clearance_mm` apart at

@@ -18,7 +18,7 @@ from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import sway
 from walkergen.core.simulation.run import MAX_BLOCKS, PERIODS_PER_BLOCK, STATUS_OUTCOMES, sample_drop
 from walkergen.core.simulation.space.model import energy, turn_to
-from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.pose import update_pose
 from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, TRAJECTORY_COLUMNS, work_for
 from walkergen.core.simulation.world import OK, State, World
 from walkergen.guests.crowd.space import bodies, steps
@@ -178,7 +178,7 @@ def _place_walker(world: World, state: State, x: float, y: float, heading: float
     """Change `state` in place: centre of mass at (x, y), mm, feet on the plate, turned to `heading`, rad."""
     turn_to(state, heading)
     state[C_X], state[C_Z] = x, -y
-    place(world, state, work_for(world.walker, state))
+    update_pose(world, state, work_for(world.walker, state))
 
 
 def make_crowd(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from walkergen.core import Array
 from walkergen.core.numerics.kernels import borrow_item, kernel, kernel_without_refcount, lean
-from walkergen.core.simulation.space.pose import place, plate_velocity
+from walkergen.core.simulation.space.pose import plate_velocity, update_pose
 from walkergen.core.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X
 from walkergen.core.simulation.space.steps import advance_in
 from walkergen.core.simulation.world import OK
@@ -70,7 +70,7 @@ def _move(crowd, i, t):
     """Move walker i by t seconds as if alone, and update its row of `crowd.planar`. With t = 0 only update it."""
     mover = borrow_item(crowd.movers, i)
     if t == 0.0:
-        place(mover.world, mover.state, mover.work)
+        update_pose(mover.world, mover.state, mover.work)
     elif crowd.status[i] == OK:
         crowd.status[i] = advance_in(mover.world, mover.state, mover.work, t, mover.tally)
     _update_planar(crowd, i, mover)

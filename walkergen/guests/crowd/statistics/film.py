@@ -65,7 +65,7 @@ class CrowdFilm(NamedTuple):
         return self._replace(**kept)
 
 
-def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
+def from_positions(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
     """Make a film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
 
     `times`: s, shape (F,). `kinds`: design of each walker. `outlines`: contours of each design, or empty.
@@ -90,7 +90,7 @@ def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> C
             places[span, number, 2] = _unwrap_heading(track.heading)
     outlines = {"walker": contours} if contours else NO_OUTLINES
     times = tracks.interval * np.arange(frames, dtype=float)
-    return from_places(times, places, ["walker"] * len(tracks.tracks), outlines, dish)
+    return from_positions(times, places, ["walker"] * len(tracks.tracks), outlines, dish)
 
 
 def _area_and_radius(contours: Sequence[Array]) -> tuple[float, float]:

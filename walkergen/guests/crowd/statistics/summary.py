@@ -91,7 +91,7 @@ class _Run(NamedTuple):
     """Times (s) and values of each number that has a course in time."""
     curves: dict[str, tuple[Array, Array]]
     """Places and values of each curve."""
-    whole: dict[str, float]
+    totals: dict[str, float]
     """Numbers of the whole run."""
 
 
@@ -103,7 +103,7 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
     varying = fluctuations.measure(films)
     runs = [_measure_run(film) for film in films]
     for run, exponent, variances in zip(runs, varying.exponents, varying.variances, strict=True):
-        run.whole["fluctuation_exponent"] = float(exponent)
+        run.totals["fluctuation_exponent"] = float(exponent)
         run.curves["fluctuations"] = varying.means, variances
     by_run = {name: _values_by_run(runs, name) for name in UNITS}
     film = films[0]
@@ -167,7 +167,7 @@ def _add_motion(run: _Run, film: CrowdFilm) -> None:
     if film.has_headings:
         run.series["speed_along_heading"] = between, mean_over_walkers(ahead)
     run.curves["msd"] = displacements.squared_displacement(film)
-    run.whole["spread_exponent"] = displacements.growth_exponent(*run.curves["msd"])
+    run.totals["spread_exponent"] = displacements.growth_exponent(*run.curves["msd"])
 
 
 def _add_pairs(run: _Run, thinned: CrowdFilm) -> None:
@@ -216,7 +216,7 @@ def _add_walls(run: _Run, film: CrowdFilm) -> None:
 def _values_by_run(runs: Sequence[_Run], name: str) -> Array:
     """Return the number `name` of each run, a mean over time if it has a course in time; NaN if it is unknown."""
     return np.array(
-        [_finite_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
+        [_finite_mean(run.series[name][1]) if name in run.series else run.totals.get(name, math.nan) for run in runs]
     )
 
 

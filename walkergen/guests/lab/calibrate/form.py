@@ -33,21 +33,21 @@ class Kind(NamedTuple):
 
     error: float
     """Error of a reading with ordinary means, which the empty form proposes."""
-    most: float
+    max_value: float
     """Largest value; a larger one suggests a wrong unit."""
     rows: int
     """Rows of the empty form."""
-    needs: tuple[str, ...] = ()
+    required_columns: tuple[str, ...] = ()
     """Columns needed in addition to its reading."""
-    may: tuple[str, ...] = ()
+    optional_columns: tuple[str, ...] = ()
     """Columns that it may have."""
-    least: float = 0.0
+    min_value: float = 0.0
     """Value that it must exceed."""
     slip: str = ""
     """Question to the user if the value is out of range."""
 
 
-SLIDE_KIND = Kind(1.0, 80.0, 6, least=2.0, slip=". Is it a friction? Write the angle: a friction of 0.25 is 14 deg")
+SLIDE_KIND = Kind(1.0, 80.0, 6, min_value=2.0, slip=". Is it a friction? Write the angle: a friction of 0.25 is 14 deg")
 """Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
 FILMED_ANGLE = "filmed_deg"
@@ -65,8 +65,8 @@ STRIP_KINDS = {
     "deflection_mm": Kind(0.5, 1000.0, 6, ("unloaded_mm", "weight_g", "at_mm")),
     "swings_20_s": Kind(0.01, 1000.0, 3, (), ("weight_g",)),
     "ring_hz": Kind(0.2, 1e5, 1, (), ("weight_g",)),
-    "swings_to_half": Kind(1.0, 1e4, 2, least=0.5),
-    AIR_SHARE: Kind(2.0, 60.0, 1, least=-1.0),
+    "swings_to_half": Kind(1.0, 1e4, 2, min_value=0.5),
+    AIR_SHARE: Kind(2.0, 60.0, 1, min_value=-1.0),
 }
 BLOCK_KINDS = {
     "mass_g": Kind(0.01, 1e4, 2),
@@ -204,12 +204,14 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
     if name == FILMED_ANGLE and not film:
         raise InputError(f"{name} needs the column {TRACKS_COLUMN}: the tracks.csv of the slide's film")
     value, what = _parse_number("reading", row["reading"], 1e5, allow_zero=True), "reading"
-    is_difference = "unloaded_mm" in kind.needs
+    is_difference = "unloaded_mm" in kind.required_columns
     if is_difference:
         value, what = abs(value - conditions["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
-    if not kind.least < value <= kind.most:
-        raise InputError(f"{name}: {what} = {value:g}: must be > {kind.least:g} and <= {kind.most:g}{kind.slip}")
-    for column in kind.needs:
+    if not kind.min_value < value <= kind.max_value:
+        raise InputError(
+            f"{name}: {what} = {value:g}: must be > {kind.min_value:g} and <= {kind.max_value:g}{kind.slip}"
+        )
+    for column in kind.required_columns:
         if column != "unloaded_mm" and conditions[column] <= 0.0:
             raise InputError(f"{column} = {conditions[column]:g}: must be > 0")
     if not row["error"].strip():
@@ -221,9 +223,9 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
 
 def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
     """Parse the cell of a column in the row of the reading `name`, or return 0 if it is blank. Raises InputError."""
-    if cell and column not in kind.needs + kind.may:
+    if cell and column not in kind.required_columns + kind.optional_columns:
         raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
-    if not cell and column in kind.needs:
+    if not cell and column in kind.required_columns:
         raise InputError(f"{name} needs {column} as well")
     return _parse_number(column, cell, 1e5, allow_zero=True) if cell else 0.0
 

@@ -24,7 +24,7 @@ from walkergen.guests.lab.calibrate.plate_files import Layout, Piece
 STEM = "calibration"
 
 
-class Place(NamedTuple):
+class PartPosition(NamedTuple):
     """Position of a part; the field names are the columns of a map."""
 
     printer: str
@@ -75,7 +75,7 @@ def make_plate(
     return _make_report([row for batch in layouts for row in _locate_parts(batch)], paths, path)
 
 
-def _make_report(rows: Sequence[Place], files: Sequence[Path], form_path: Path) -> Report:
+def _make_report(rows: Sequence[PartPosition], files: Sequence[Path], form_path: Path) -> Report:
     """Report the parts on each plate and the next steps."""
     columns = (
         report.text_column("printer", "printer"),
@@ -114,7 +114,7 @@ def _write_printer_files(
     """Write the files of one printer and return their paths."""
     start = f"{STEM}_{layout.printer.name}"
     with Folder(folder, f"{start}.json") as target:
-        rows = csv_text(Place._fields, _locate_parts(layout))
+        rows = csv_text(PartPosition._fields, _locate_parts(layout))
         for name, data in (
             (f"{start}.csv", rows.encode()),
             (f"{start}.md", _format_sheet(design, strips, layout, start).encode()),
@@ -133,14 +133,14 @@ def _format_sheet(design: Design, strips: Sequence[DrawnStrip], layout: Layout, 
     return f"{printing}\n\n{measuring.to_markdown(strips, design, layout.printer)}"
 
 
-def _locate_parts(layout: Layout) -> list[Place]:
+def _locate_parts(layout: Layout) -> list[PartPosition]:
     rows = []
     for number, plate in enumerate(layout.plates, start=1):
         for placement in plate.placements:
             part = layout.parts[placement.part]
             item = packing.item_name(part, placement.copy)
             lengths = (placement.x, placement.y, part.width, part.depth)
-            rows.append(Place(layout.printer.name, number, item, *(round(length, 6) for length in lengths)))
+            rows.append(PartPosition(layout.printer.name, number, item, *(round(length, 6) for length in lengths)))
     return rows
 
 

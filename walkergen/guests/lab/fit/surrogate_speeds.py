@@ -24,7 +24,7 @@ class SurrogateSpeed(NamedTuple):
     """Callable that predicts the speed of a setting from the parameters. `known`: its case for the surrogate."""
 
     setting: Setting
-    known: surrogate.Known
+    known: surrogate.SurrogateCase
     inputs: tuple[str, ...]
     """Inputs in the order of the columns."""
 

@@ -56,7 +56,7 @@ def fit(request: FitFields, setup: Setup, held: Mapping[str, float], progress: P
     InputError for unusable input.
     """
     (design, scene), path = setup, request.speeds
-    if not design.alike:
+    if not design.is_symmetric_pair:
         raise InputError(
             f"{design.name}: its legs are not two equal ones, as the theory requires. "
             "Fit simulated speeds, ‹model=›space"

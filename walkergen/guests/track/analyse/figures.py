@@ -104,7 +104,7 @@ def draw_correlation(motion: Motion, title: str) -> Figure:
         lag = np.linspace(0.0, motion.correlation.at[-1], 200)
         at, first = motion.correlation.at[0], motion.correlation.value[0]
         # A mean turning that is measured within `own_s` and subtracted lessens the decay
-        bridge = lag * (1.0 - lag / motion.own_s) - at * (1.0 - at / motion.own_s)
+        bridge = lag * (1.0 - lag / motion.detrend_time_s) - at * (1.0 - at / motion.detrend_time_s)
         axes.plot(lag, first * np.exp(-rate * bridge), color=FITTED.colour, label="exponential")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
