@@ -153,7 +153,9 @@ def check_job(job: Job) -> Parts:
     for flag, values, fewest in (("--tilt", tilts_deg, 3), ("--gamma", gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
             listed = ",".join(f"{value:g}" for value in values)
-            raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, none negative, each above the last")
+            raise InputError(
+                f"{flag} {listed[:60]}: at least {fewest} values, from 0 upward in rising order, are needed"
+            )
     job.design.members([*tilts_deg, DRIVES_TILT_DEG], ("flexible", "braced"))
     return make_parts(job, tilts_deg, gammas)
 

@@ -89,8 +89,8 @@ def test_walkers_scenes_and_printers_load_by_name():
     listed = wg.templates()
     assert len(listed) == sum(len(templates.all_names(kind)) for kind in templates.KINDS)
     assert {row["kind"] for row in listed} == set(templates.KINDS)
-    with pytest.raises(InputError, match=r"'nope': no such template\. Known: bristle, .*ender3"):
-        wg.load("nope")
+    with pytest.raises(InputError, match=r"'nix': no such template\. Known: bristle, .*ender3"):
+        wg.load("nix")
     with pytest.raises(InputError, match="kind='walkers': must be one of 'walker', 'scene', 'pri"):
         wg.load("koumakis2016", "walkers")
     with pytest.raises(InputError, match=r"no such template\. Known walkers: bristle"):

@@ -1,6 +1,8 @@
 """The command line as a user meets it: every command, every kind of bad input."""
 
+import contextlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -273,6 +275,31 @@ def test_a_command_loads_what_it_uses_and_no_more(words, more):
     assert python("-c", code, "walkergen", *words).stderr.splitlines()[-1] == "[]"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_a_bar_on_a_terminal_is_drawn_with_its_control_sequences(tmp_path):
+    words = ["simulate", "--seconds", "0.3", "--runs", "2"]
+    shown = run_in_terminal([sys.executable, "-m", "walkergen", *words], tmp_path)
+    assert b"\r\x1b[2K" in shown  # the bar was drawn over itself
+    assert b"\\u001b" not in shown
+    assert b"\\u000d" not in shown
+
+
+def run_in_terminal(command, folder):
+    """Run a command in a pseudo-terminal of 80 columns, and return the bytes that it writes."""
+    import pty
+
+    child, terminal = pty.fork()
+    if child == 0:
+        os.chdir(folder)
+        os.execvpe(command[0], command, {**os.environ, "TERM": "xterm-256color", "COLUMNS": "80"})
+    shown = b""
+    with contextlib.suppress(OSError):  # Linux reports the end of a terminal as an error
+        while data := os.read(terminal, 65536):
+            shown += data
+    os.waitpid(child, 0)
+    return shown
+
+
 def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys):
     from walkergen.cli import console
     from walkergen.core.files.progress import Expected
@@ -286,7 +313,7 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
             line = capsys.readouterr().err
             if line:
                 break
-    assert line == "simulate: runs, 3 of 4, about 0 s left\n"
+    assert line == "simulate: runs, 75 %, about 0 s left\n"
     expects = []
     with console.progress("accuracy", wanted=True, on_expected=expects.append) as update:
         expects[0](lambda: Expected(60.0, "5 % would take 9 s"))
@@ -294,7 +321,7 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
         expects[0](lambda: pytest.fail("asked for twice"))
         update("runs", 3, 4)
         time.sleep(0.05)
-        assert capsys.readouterr().err.startswith("accuracy: runs, 3 of 4, about 60 s left\n")
+        assert capsys.readouterr().err.startswith("accuracy: runs, 75 %, about 60 s left\n")
     with console.progress("simulate", wanted=False, on_expected=expects.append) as update:
         update("runs", 3, 4)
         time.sleep(0.05)

@@ -156,10 +156,10 @@ def test_what_is_printed_is_plain_and_what_is_told_is_short(monkeypatch, capsys)
     monkeypatch.setattr(sys, "stderr", sys.stderr)
     safe_text.guard_output()
     print("name\x1b[31m" + "y" * 300)
-    print("error: " + "y" * 300 + "\x07", "next", sep="\n", file=sys.stderr)
+    print("error: " + "y" * 3000 + "\x07", "next", sep="\n", file=sys.stderr)
     seen = capsys.readouterr()
     assert seen.out == "name\\u001b[31m" + "y" * 300 + "\n"
-    assert [len(line) for line in seen.err.splitlines()] == [safe_text.MAX_LINE_LENGTH, 4]
+    assert [len(line) for line in seen.err.splitlines()] == [safe_text.MAX_MESSAGE_LENGTH, 4]
     assert seen.err.endswith("y\\u0007\nnext\n")
 
 

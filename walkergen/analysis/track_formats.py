@@ -84,12 +84,13 @@ def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
     for at, line in enumerate(chain([header], blank, stream), 1):
         if "," in line:
             raise InputError(
-                f"{path}:{at}: a comma seen in {safe_text.shorten_line(line.strip())[:40]!r}: {columns.SEPARATOR_HINT}"
+                f"{path}:{at}: {safe_text.shorten_line(line.strip())[:40]!r} has a decimal comma. "
+                "Write a decimal point, as 0.04."
             )
         cells = line.split() if separator == " " else line.rstrip("\n").split(separator)
         if separator == " " and 0 < len(cells) < len(header.split()):
             words = f"{len(cells)} words, the header has {len(header.split())}"
-            raise InputError(f"{path}:{at}: {words}: separate cells by commas where names hold spaces or cells nothing")
+            raise InputError(f"{path}:{at}: {words}. For names with spaces or empty cells, separate cells by commas.")
         yield ",".join(cells) + "\n"
 
 

@@ -70,6 +70,6 @@ def _csv_lines(
     stream = file_reading.read_lines(path, columns.FORMAT_NAME)
     for at, line in enumerate(chain(["\n"] * header_index, islice(stream, header_index + 1, None)), 2):
         if separator != "," and "," in line:
-            raise InputError(f"{path}:{at}: a comma seen in {line.strip()[:40]!r}: {columns.SEPARATOR_HINT}")
+            raise InputError(f"{path}:{at}: {line.strip()[:40]!r} has a decimal comma. Write a decimal point, as 0.04.")
         cells = _split_cells(line, separator)
         yield ",".join(cells[index] if index < len(cells) else "" for index in indices if line.strip()) + "\n"

@@ -78,12 +78,12 @@ def text(line: str) -> None:
     Console(highlight=False).print(safe_text.escape_hidden(spell(line)), markup=False)
 
 
-FIRST_LINE_S, NEXT_LINE_S = 5.0, 15.0
-"""Times (s) of the first progress line of a job and between further lines, if there is no bar."""
+FIRST_LINE_S, NEXT_LINE_S, SAME_STAGE_LINE_S = 5.0, 15.0, 60.0
+"""Times (s) of the first progress line of a job, to that of a new stage, and to the next of the same stage."""
 MIN_ANNOUNCED_S = 2.0
 """Expected time (s) below which a job does not announce its duration."""
 
-MIN_PACE_SHARE = 0.05
+MIN_PACE_SHARE = 0.1
 """Share of the work that must be done before its pace gives the time left."""
 
 
@@ -113,11 +113,11 @@ class Clock:
     def format_remaining(self, done: int, total: int) -> str:
         """Format the remaining time after `done` of `total` steps or, if it is unknown, the elapsed time."""
         now, share = time.monotonic(), done / total
-        if now < self._ends:
-            return f"{_format_duration(self._ends - now)} left"
         begun, first_share = self._start or (now, share)
         if share - first_share > MIN_PACE_SHARE:
             return f"{_format_duration((now - begun) * (1.0 - share) / (share - first_share))} left"
+        if now < self._ends:
+            return f"{_format_duration(self._ends - now)} left"
         return f"{now - self._begun:.0f} s so far"
 
 
@@ -150,19 +150,16 @@ def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     latest: list[tuple[str, int, int]] = []  # arguments of the last `update`; empty before
 
     def print_lines() -> None:
-        """Print a line every NEXT_LINE_S until the job has ended."""
-        pause = FIRST_LINE_S
+        """Print a line for each long stage, and again if it lasts, until the job has ended."""
+        pause, shown, next_same = FIRST_LINE_S, "", 0.0
         while not ended.wait(pause):
-            if latest:
-                pause = NEXT_LINE_S
-                what, done, total = latest[0]
-                part = f"{done} %" if total == 100 else f"{done} of {total}"
-                share = f", {part}" if done else ""
+            if latest and (latest[0][0] != shown or time.monotonic() > next_same):
+                pause, next_same = NEXT_LINE_S, time.monotonic() + SAME_STAGE_LINE_S
+                shown, done, total = latest[0]
+                share = f", {100 * done // total} %" if done else ""
+                line = f"{clock.title}: {shown}{share}, {clock.format_remaining(done, total)}"
                 try:
-                    line = safe_text.shorten_line(
-                        f"{clock.title}: {what}{share}, {clock.format_remaining(done, total)}"
-                    )
-                    print(line, file=sys.stderr, flush=True)
+                    print(safe_text.shorten_line(line), file=sys.stderr, flush=True)
                 except OSError:  # the error stream has no reader
                     return
 
@@ -200,10 +197,12 @@ def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
 def _start_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
     """Draw a progress bar until the exit stack is closed. Return the function that updates it."""
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}"))
-    bar = stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
+    # The stream itself: that of rich's Console(stderr=True) escapes the bar's own control sequences.
+    console = Console(file=getattr(sys.stderr, "rich_proxied_file", sys.stderr))
+    bar = stack.enter_context(Progress(*columns, console=console, transient=True))
     task = bar.add_task(safe_text.shorten_line(clock.title), left="")
 
     def update(what: str, done: int, total: int) -> None:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import Section
@@ -41,7 +41,15 @@ MOTOR_KEYS = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
 
 RATING_HINT = "Write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 instead."
 
-Component = Annotated[float, Field(ge=-1e3, le=1e3)]
+
+def _parse_axis(value: Any) -> Any:
+    """Return the axis of a rotor, by name or components. Raises ValueError for anything else."""
+    numbers = value if isinstance(value, list) and len(value) == 3 and any(value) else [math.nan]
+    if all(isinstance(number, (int, float)) and abs(number) <= 1e3 for number in numbers) or value in (*AXES, None):
+        return value
+    raise ValueError(
+        f'{str(value)[:40]!r} is no axis: write "along", "across", "up", or three numbers in -1000..1000, not all 0'
+    )
 
 
 class Drive(Section):
@@ -77,7 +85,7 @@ class Drive(Section):
     """Standard deviation of `eccentric_g_mm`, for bounds."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
     """Standard deviation of a motor's frequency: batteries sag, and motors differ."""
-    axis: Literal["along", "across", "up"] | Annotated[list[Component], Field(min_length=3, max_length=3)] | None = None
+    axis: Annotated[Literal["along", "across", "up"] | list[float] | None, BeforeValidator(_parse_axis)] = None
     """Axis of the rotor: "along", "across" or "up", or components along these. None: the axis in the design."""
 
     @model_validator(mode="after")
@@ -109,8 +117,6 @@ class Drive(Section):
             raise ValueError(
                 "eccentric_g_mm is missing: give a motor's unbalanced mass times its distance from the axis"
             )
-        if isinstance(self.axis, list) and not any(self.axis):
-            raise ValueError("axis = [0, 0, 0] has no direction: give 'across' or three numbers")
         return self
 
     def _check_plate(self) -> "Drive":

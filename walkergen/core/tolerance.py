@@ -25,7 +25,7 @@ def parse_tolerance(text: str) -> Tolerance:
     unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
     value = formatting.parse_number(text.rstrip(" ").removesuffix(unit))
     if not unit or value is None or value <= 0.0:
-        raise InputError(f"‹error=›{text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
+        raise InputError(f"‹error=›{text[:30]!r}: write a share or a speed over 0, such as 5% or 3mm/s")
     relative = unit == "%"
     low, high = UNITS[unit]
     if not low <= value <= high:

@@ -1,7 +1,9 @@
 """Templates: the TOML files shipped with walkergen, found by name from any folder."""
 
+import difflib
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -56,8 +58,8 @@ def find(name: str) -> Path:
     for kind in KINDS:
         if name in all_names(kind):
             return _template_path(name, kind)
-    listed = ", ".join(name for kind in KINDS for name in all_names(kind))
-    raise InputError(f"{name!r}: no such template. Known: {listed}")
+    known = [name for kind in KINDS for name in all_names(kind)]
+    raise InputError(f"{name[:80]!r}: no such template. {_suggest_names(name, known)}")
 
 
 def _template_path(name: str, kind: str) -> Path:
@@ -92,10 +94,15 @@ def resolve_path(name_or_path: str | Path, kind: str, near: Path = Path()) -> Pa
         return near / name_or_path
     if name_or_path in all_names(kind):
         return _template_path(name_or_path, kind)
-    raise InputError(
-        f"{name_or_path[:80]!r}: no such template. Known {kind}: {', '.join(all_names(kind))}. "
-        "Or give the path of a TOML file."
-    )
+    hint = _suggest_names(name_or_path, all_names(kind), f" {kind}")
+    keys = ", or any printer with ‹set=›printer.bed_width_mm=220" if kind == "printers" else ""
+    raise InputError(f"{name_or_path[:80]!r}: no such template. {hint} Or give the path of a TOML file{keys}.")
+
+
+def _suggest_names(name: str, known: Sequence[str], kind: str = "") -> str:
+    """Return a sentence with the known names most like a wrong one, or with all of them."""
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    return f"Did you mean {' or '.join(close)}?" if close else f"Known{kind}: {', '.join(known)}."
 
 
 def is_path(text: str) -> bool:

@@ -12,7 +12,7 @@ _FUNCTIONS = {
     "caps": ("place_on_body",),
     "engraving": ("add_notches", "cut_letters", "engraved_profiles"),
     "leg_attachment": ("body_mass", "extend_legs", "prepare_body"),
-    "leg_placement": ("auto_remedies", "find_placement"),
+    "leg_placement": ("find_placement",),
     "marks": ("format_mark", "mark_problems"),
     "stance": ("level_feet",),
 }

@@ -8,8 +8,8 @@ import re
 import sys
 from typing import Any, TextIO, cast
 
-MAX_LINE_LENGTH = 200
-"""Longest line of a message, letters; of a longer one the middle is left out."""
+MAX_LINE_LENGTH, MAX_MESSAGE_LENGTH = 200, 1000
+"""Longest line of foreign text in a message, and of a message, letters. The middle of a longer one is left out."""
 
 HIDDEN_CHARACTERS = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff"
@@ -24,7 +24,7 @@ def escape_hidden(text: str) -> str:
 
 
 def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
-    """Shorten plain text to one line of at most `widest` letters, leaving out the middle.
+    """Shorten plain text to one line of at most `widest` letters, leaving out the middle, in whole words.
 
     Its end stays, because it says what to do.
     """
@@ -32,7 +32,8 @@ def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
     if len(shown) <= widest:
         return shown
     end = widest // 3
-    return f"{shown[: widest - end - 5]} ... {shown[len(shown) - end :]}"
+    head, tail = re.sub(r" \S{0,30}$", "", shown[: widest - end - 5]), re.sub(r"^\S{0,30} ", "", shown[-end:])
+    return f"{head} ... {tail}"
 
 
 class Plain:
@@ -50,6 +51,8 @@ class Plain:
 
     def write(self, text: str) -> int:
         """Write text with its hidden letters escaped. Return the number of its letters."""
+        if text == "\x1b[0m":  # colorama, which numba loads, resets colours on exit
+            return self.rich_proxied_file.write(text)
         if self.widest is not None:
             text = "\n".join(shorten_line(row, self.widest) for row in text.split("\n"))
         self.rich_proxied_file.write(escape_hidden(text))
@@ -59,7 +62,7 @@ class Plain:
 def guard_output() -> None:
     """Escape hidden letters in all later output of this process. Lines of sys.stderr are also shortened."""
     sys.stdout = cast("TextIO", Plain(sys.stdout))
-    sys.stderr = cast("TextIO", Plain(sys.stderr, MAX_LINE_LENGTH))
+    sys.stderr = cast("TextIO", Plain(sys.stderr, MAX_MESSAGE_LENGTH))
 
 
 def _escape(match: re.Match[str]) -> str:

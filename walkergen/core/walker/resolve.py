@@ -44,7 +44,6 @@ class Readers(Protocol):
     body_mass: Callable[[str], SolidMass]
     extend_legs: Callable[[str, tuple[Limb, ...]], tuple[Limb, ...]]
     find_placement: Callable[[str, str], Any]
-    auto_remedies: Callable[[Body, Legs], Sequence[Remedy]]
     level_feet: Callable[[Mapping[str, Any], float], dict[str, Any]]
     format_mark: Callable[[Marks, Sequence[float], float], str]
     mark_problems: Callable[[Marks, Sequence[float], float, tuple[float, float, float]], list[str]]
@@ -127,10 +126,15 @@ def check_buildable(spec: WalkerSpec) -> None:
 
 
 def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
-    """Suggest automatic placement if two equal legs do not fit at their given positions."""
+    """Suggest automatic placement if two equal legs fit only with it."""
     if not isinstance(spec.legs, Legs) or spec.has_automatic_legs or spec.is_complete_mesh:
         return []
-    return load_readers().auto_remedies(spec.body, spec.legs)
+    legs = spec.legs.model_copy(update={"placement": "auto"})
+    try:
+        check_buildable(spec.model_copy(update={"legs": legs}))
+    except GeometryError:
+        return []
+    return [Remedy("place the legs automatically", {"legs.placement": "auto"})]
 
 
 def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
@@ -157,7 +161,8 @@ def _pair_faults(legs: Legs, size: Size) -> list[str]:
     for text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
         hint = f". A tilt up to {limit:.2f} deg is possible" if limit is not None else ""
-        problems.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
+        key = "legs" if limit is None else f"legs.tilt_deg = {legs.tilt_deg:g}"
+        problems.append(f"{key} ({legs.kind}): {text}{hint}")
     return problems
 
 

@@ -306,6 +306,12 @@ def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
     return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
 
 
+def _tilt_deg(name: str) -> float | None:
+    """Return the tilt in the name of a part, deg."""
+    found = re.search(r"_t(-?\d+(?:\.\d+)?)_", name)
+    return float(found[1]) if found else None
+
+
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
     """Return the part that a file calls `name`, or None for another walker of the members' designs.
 
@@ -314,9 +320,10 @@ def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], 
     if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
         return part
     listed = list(dict.fromkeys(parts.values()))
-    close = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
+    alike = [part_name for part_name in listed if _tilt_deg(part_name) == _tilt_deg(name)]
+    close = difflib.get_close_matches(name, alike, n=3, cutoff=0.6)
     near = [part_name for part_name in close if part_name not in present]
-    hint = f" Did you mean {', '.join(near)}?" if near else "" if close else f" Parts are {', '.join(listed[:3])} ..."
+    hint = f" Did you mean {', '.join(near)}?" if near else f" Selected parts: {', '.join(listed[:3])} ..."
     raise InputError(
         f"part {name[:60]!r}: is not among the parts that ‹tilt› and ‹legs› select. "
         f"Correct its name, or select it.{hint}"

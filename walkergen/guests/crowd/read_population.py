@@ -38,7 +38,8 @@ def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
         return True
     if any(cards):
         name = sources[cards.index(True)]
-        raise InputError(f"{name}: is a card, which only ‹model=›flat supports. Give only designs, or only cards.")
+        remedy = "Give only designs, or only cards" if not all(cards) else "Write ‹model=›flat, or give a design"
+        raise InputError(f"{name}: is a card, which only ‹model=›flat supports. {remedy}.")
     if request.model == "flat" or request.write_only:
         flag = "‹model=›flat" if request.model == "flat" else "‹write_only›"
         raise InputError(

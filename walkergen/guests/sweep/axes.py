@@ -113,7 +113,7 @@ def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{source}: {value} is not finite. Write finite numbers.")
         if isinstance(value, (datetime.date, datetime.time)):
-            raise InputError(f"{source}: {value} is a date. Write numbers or text.")
+            raise InputError(f"{source}: {value} is a date or a time. Write a number or a text.")
     if not all(isinstance(value, (str, int, float)) for value in values):
         return Axis(key, tuple(values))
     # True equals 1, but is another value.

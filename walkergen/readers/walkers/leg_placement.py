@@ -182,12 +182,6 @@ def _drop_other_size(remedy: Remedy) -> Remedy:
     return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
 
 
-def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
-    """Suggest automatic placement of the legs, if it works."""
-    auto_legs = legs.model_copy(update={"placement": "auto"})
-    return [Remedy("place the legs automatically", {"legs.placement": "auto"})] if _can_stand(body, auto_legs) else []
-
-
 def _other_orientations(body: Body) -> list[dict[str, Any]]:
     """Return the keys of other positions of a mesh: turned about the forward axis, or onto its former front."""
     if body.mesh is None or body.legs_below_mm is not None:

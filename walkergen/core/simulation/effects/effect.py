@@ -81,7 +81,7 @@ def describe_number(scene: Scene, key: str) -> str:
 def absence_reason(case: Case, switch: str, why: str) -> str:
     """Return `why`, the reason why an effect is not part of a case. Raises InputError if the scene forces it on."""
     if case.scene.effects.forced_state(switch):
-        raise InputError(f"{forced_effect_line(switch, True)}: {why}, or leave {switch} out of effects.on")
+        raise InputError(f"{forced_effect_line(switch, True)}: {why}. Remove {switch} from effects.on.")
     return why
 
 
