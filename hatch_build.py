@@ -2,26 +2,32 @@
 
 Those of a wheel are the ones that the commands below compile, for any CPU of a kind; they lie in
 walkergen/kernels, and `walkergen/core/numerics/shipped_kernels.py` says when they are used. A build with
-WALKERGEN_KERNELS=all or =first makes one. `pip install -e .` compiles the first simulation's for
-this machine, as that simulation would do, unless WALKERGEN_KERNELS=none is set.
+WALKERGEN_KERNELS=all or =first makes one. `pip install -e .` compiles them for this machine, unless
+WALKERGEN_KERNELS=none is set.
 """
 
+import functools
 import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SHORT = ("--seconds", "0.05", "--runs", "2", "--quiet")
 FIRST = (("simulate", *SHORT),)
+CROWD = ("crowd", "--count", "2", "--seconds", "0.05", "--rate-hz", "100", "--runs", "1", "--no-pictures", "--quiet")
 MORE = (
     ("family", "--no-pictures", "--quiet"),
-    ("crowd", "--count", "2", "--seconds", "0.05", "--rate-hz", "100", "--runs", "1", "--no-pictures", "--quiet"),
+    CROWD,
     ("calibrate", "drop", "--measured", "0.5", "--measured-sd", "0.05", "--drops", "2", "--quiet"),
+    ("movie", "--periods", "2", "--fps", "10", "--quiet"),
+    ("simulate", "coinbot", *SHORT),
 )
 """Commands whose kernels a wheel takes along: those of WALKERGEN_KERNELS=first, and of all."""
 
@@ -46,9 +52,19 @@ class KernelsHook(BuildHookInterface):  # type: ignore[misc,type-arg]
 
 
 def warm(root: Path) -> None:
-    """Compile kernels into the user's cache. What goes wrong is left to the first simulation, which compiles too."""
+    """Compile the kernels of every command into the user's cache, those of crowds beside the others.
+
+    A failed command compiles its kernels when it is first used.
+    """
+    others = [*FIRST, *(words for words in MORE if words != CROWD)]
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(functools.partial(_run_commands, root), ([CROWD], others)))
+
+
+def _run_commands(root: Path, commands: Sequence[tuple[str, ...]]) -> None:
+    """Run commands one after the other, each in an empty folder, and print why one failed."""
     paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]  # where pip puts what builds need
-    for words in FIRST:
+    for words in commands:
         with tempfile.TemporaryDirectory() as place:
             done = subprocess.run(
                 [sys.executable, "-m", "walkergen", *words],
@@ -60,7 +76,7 @@ def warm(root: Path) -> None:
             )
         if done.returncode:
             reason = done.stderr.strip().splitlines()[-1:]
-            print(f"kernels will be compiled by the first simulation: {''.join(reason)}", file=sys.stderr)
+            print(f"{words[0]} will compile its kernels when it is first used: {''.join(reason)}", file=sys.stderr)
 
 
 def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]) -> None:

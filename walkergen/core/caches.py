@@ -70,9 +70,9 @@ def _check_private(path: Path) -> None:
         raise OSError(f"{path} is not the user's alone")
 
 
-COMPILE_TIMES_S = {"space": 40, "shapes": 6}
-"""Time that the kernels of a folder of the package take to compile on an idle core, s: those of the
-model in space, or of crossings of triangles. Others take a second or two."""
+PACKAGE = Path(__file__).parents[1]
+COMPILE_TIMES_S = {"core/simulation/space": 50, "guests/crowd/space": 100, "readers/drawings": 6}
+"""Time that the kernels of a folder of the package take to compile on an idle core, s. Others take a second or two."""
 
 _announced: set[str] = set()
 
@@ -91,12 +91,14 @@ def suppress_compile_notice() -> Iterator[None]:
 def announce_compilation(place: Path) -> None:
     """Print once that the kernels of numba's cache folder `place` are being compiled, if that takes long.
 
-    The folder's name begins with that of the sources' folder. Child processes of a pool print nothing.
+    Child processes of a pool print nothing.
     """
     from multiprocessing import parent_process
 
-    name = place.name.rpartition("_")[0]  # numba's name of a package's folder, and a hash of it
-    if name in _announced or name not in COMPILE_TIMES_S or parent_process():
+    from walkergen.core.numerics.shipped_kernels import cache_subpath
+
+    name = next((folder for folder in COMPILE_TIMES_S if cache_subpath(PACKAGE / folder) == place.name), "")
+    if not name or name in _announced or parent_process():
         return
     _announced.add(name)
     print(
