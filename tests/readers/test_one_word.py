@@ -218,7 +218,7 @@ def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
 @pytest.mark.parametrize("shape", ["heart", "bell"])
 def test_given_numbers_replace_derived_ones(tmp_path, shape):
     found = load_shape(svg(tmp_path, DRAWN_PATHS[shape]))
-    numbers = found.with_numbered_legs()
+    numbers = found.with_explicit_leg_positions()
     assert not numbers.has_automatic_legs
     for mine, theirs in zip(numbers.limbs, found.limbs, strict=True):
         assert (mine.along, mine.across, mine.width) == pytest.approx((theirs.along, theirs.across, theirs.width))

@@ -17,7 +17,9 @@ def html(design: Design) -> str:
     rows, shown = list(_rows(design)), ""
     try:
         built = solids.build(design)
-        shown = viewer.render_frame([viewer.Part(names.part_name(design), design.kind, *built.seen)], design.name)
+        shown = viewer.render_frame(
+            [viewer.Part(names.part_name(design), design.kind, *built.walker_with_cap)], design.name
+        )
         mass = solids.weigh(design, built)
         rows.append(("mass (g)", f"{float(mass.total):.4g}"))
     except WalkergenError as error:

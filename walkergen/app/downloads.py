@@ -104,7 +104,7 @@ def _zip_files(folder: Path, paths: list[Path]) -> bytes:
 
 def _write_settings(document: Document, folder: Path) -> None:
     """Write walker, scene and printer as TOML files into settings/ below `folder`, with the file of the body."""
-    design = document.load_design().with_numbered_legs()
+    design = document.load_design().with_explicit_leg_positions()
     alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
     alone |= {"legs": [design.kind]} if design.has_legs_table else {}
     family = design.family.model_copy(update=alone)

@@ -115,7 +115,7 @@ def to_dict(document: Document) -> dict[str, Any]:
 def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
     """Yield the groups of the tables in `section`, then of its own keys. `prefix`: of these keys, such as "scene."."""
     own, inner, absent = [], [], []  # controls, (table, prefix, title, key if optional) and groups of missing tables
-    idle = section.idle if isinstance(section, Body) else ()  # keys without effect on this shape
+    idle = section.unused_keys if isinstance(section, Body) else ()  # keys without effect on this shape
     for name, field in type(section).model_fields.items():
         value, heading = getattr(section, name), f"{title}: {name}"
         if name in idle or isinstance(value, Family):

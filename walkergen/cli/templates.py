@@ -87,5 +87,5 @@ def _dump_shape(path: Path, target: Path) -> str:
 
     if Design.data_from_file(path) is None:
         raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")
-    design = read_section(path, Design).with_numbered_legs().with_paths_relative_to(target.parent)
+    design = read_section(path, Design).with_explicit_leg_positions().with_paths_relative_to(target.parent)
     return templates.to_toml(design, f"Walker of {path.name}", every=False)

@@ -121,7 +121,7 @@ def _compare_weighing(
     means = weighed.get(member.name, weighed_masses.Weighings())
     return Weighing(
         weighings=means.number,
-        mass=weighed_masses.total(float(member.mass.total), means, len(member.mass.legs)),
+        mass=weighed_masses.mass_with_error(float(member.mass.total), means, len(member.mass.legs)),
         mass_mesh_g=float(mesh.total),
         speed_mesh_mm_s=speed_prediction.predict(plain, mesh, scene, mode, model).speed.value,
     )

@@ -231,7 +231,7 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     each = [own.m / mesh.m for own, mesh in zip(found.legs, meshed.legs, strict=True)]
     assert each == pytest.approx([1.1] * 3, rel=1e-9)
     parts = weighed_masses.Weighings(body_g=known.body_g, leg_g=Quantity("mass", "g", 0.03, 0.002))
-    assert weighed_masses.total(1.0, parts, 3).se == pytest.approx(math.hypot(0.001, 0.006))
+    assert weighed_masses.mass_with_error(1.0, parts, 3).se == pytest.approx(math.hypot(0.001, 0.006))
 
 
 @pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])])

@@ -31,7 +31,7 @@ def test_defaults_are_the_paper_template():
 def test_a_specification_reads_no_file_and_a_design_does():
     data = {"body": {"mesh": "nowhere.stl"}, "legs": {"tilt_deg": 5.0}}
     spec = WalkerSpec.model_validate(data)
-    assert (spec.kind, spec.written_tilt_deg, spec.has_automatic_legs) == ("flexible", 5.0, True)
+    assert (spec.kind, spec.tilt_from_keys_deg, spec.has_automatic_legs) == ("flexible", 5.0, True)
     with pytest.raises(InputError, match=r"nowhere\.stl"):
         Design.model_validate(data)
 

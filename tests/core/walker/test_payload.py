@@ -222,7 +222,7 @@ def test_a_side_wall_follows_the_outline_of_the_body():
     }
     design = Design.model_validate(data)
     middle = np.array(design.motor.cylinder.centre_in_design(22.0)[:2])
-    corners = solids.outline(design).body
+    corners = solids.side_view(design).body
     ends = np.roll(corners, -1, axis=0)
     share = np.linspace(0.0, 1.0, 2001)[:, None, None]
     edge = (corners + share * (ends - corners)).reshape(-1, 2)
@@ -269,7 +269,7 @@ def test_designs_without_payload_are_written_without_its_keys():
 def test_weighing_forms_have_rows_for_the_payload(tmp_path):
     design = load_walker("coinbot").variant(tilt_deg=10.0)
     part, path = names.part_name(design), tmp_path / weighed_masses.FILE_NAME
-    weighed_masses.write_template(tmp_path, [part, *weighed_masses.carried_rows(design)])
+    weighed_masses.write_form(tmp_path, [part, *weighed_masses.carried_rows(design)])
     rows = [line.split(",")[0] for line in path.read_text().splitlines()[1:]]
     assert rows == [part, "motor", "battery", "wires", "glue"]
     assert not weighed_masses.is_filled_in(path)

@@ -52,7 +52,7 @@ def test_copies_are_averaged_with_their_standard_error(read_masses):
 
 
 def test_a_template_has_no_masses_and_can_be_filled(read_masses, tmp_path):
-    text = weighed_masses.format_template([FIVE, TEN])
+    text = weighed_masses.format_form([FIVE, TEN])
     with pytest.raises(InputError, match=r"no masses\. Fill in grams, body_g, leg_g"):
         read_masses(text)
     assert not weighed_masses.is_filled_in(tmp_path / "weights.csv")
@@ -66,23 +66,23 @@ def test_a_template_has_no_masses_and_can_be_filled(read_masses, tmp_path):
 @pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"])
 def test_a_form_with_any_entry_is_not_overwritten(tmp_path, header, line):
     path = tmp_path / "weights.csv"
-    weighed_masses.write_template(tmp_path, ["x"])
+    weighed_masses.write_form(tmp_path, ["x"])
     written = f"{header}\n{line}\n".encode()
     path.write_bytes(written)
-    weighed_masses.write_template(tmp_path, ["y"])
+    weighed_masses.write_form(tmp_path, ["y"])
     assert path.read_bytes() == written
 
 
 def test_a_sorted_form_is_not_overwritten(tmp_path):
-    path = weighed_masses.write_template(tmp_path, [FIVE, TEN])
-    path.write_text(ours := weighed_masses.format_template([TEN, FIVE]))
-    assert weighed_masses.write_template(tmp_path, [FIVE, TEN]) == path
+    path = weighed_masses.write_form(tmp_path, [FIVE, TEN])
+    path.write_text(ours := weighed_masses.format_form([TEN, FIVE]))
+    assert weighed_masses.write_form(tmp_path, [FIVE, TEN]) == path
     assert path.read_text() == ours
 
 
 def test_an_empty_template_follows_the_print(tmp_path):
-    weighed_masses.write_template(tmp_path, [FIVE])
-    weighed_masses.write_template(tmp_path, [TEN])
+    weighed_masses.write_form(tmp_path, [FIVE])
+    weighed_masses.write_form(tmp_path, [TEN])
     assert (tmp_path / "weights.csv").read_text() == f"part,grams,body_g,leg_g\n{TEN},,,\n"
 
 
@@ -129,8 +129,8 @@ def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
 def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read_masses):
     rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
     found = read_masses("part,body_g,leg_g\n" + rows)[TEN]
-    assert weighed_masses.total(1.0, found, 2).se == pytest.approx(np.hypot(0.01, 2 * 0.002))
-    assert weighed_masses.total(1.0, read_masses(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2).se is None
+    assert weighed_masses.mass_with_error(1.0, found, 2).se == pytest.approx(np.hypot(0.01, 2 * 0.002))
+    assert weighed_masses.mass_with_error(1.0, read_masses(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2).se is None
 
 
 def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read_masses, tmp_path):
@@ -174,12 +174,12 @@ def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
 @pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])
 def test_a_form_with_a_row_of_the_user_is_not_overwritten(row, tmp_path):
     path = tmp_path / weighed_masses.FILE_NAME
-    path.write_text(f"{weighed_masses.format_template([FIVE, TEN])}{row}\n")
+    path.write_text(f"{weighed_masses.format_form([FIVE, TEN])}{row}\n")
     mine = path.read_bytes()
-    assert weighed_masses.write_template(tmp_path, [FIVE]) is None
+    assert weighed_masses.write_form(tmp_path, [FIVE]) is None
     assert path.read_bytes() == mine
-    path.write_text(weighed_masses.format_template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
-    assert weighed_masses.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours
+    path.write_text(weighed_masses.format_form([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
+    assert weighed_masses.write_form(tmp_path, [TEN]) == path  # nothing but a form of ours
 
 
 @pytest.mark.parametrize(

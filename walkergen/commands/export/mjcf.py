@@ -104,7 +104,7 @@ def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.
     """Yield meshes by name: free legs relative to their anchors, body and other legs to C, the centre of mass."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*to_centre_frame(design.limbs, mass, np.zeros(2)), -half]) + O
-    yield "body", _to_mujoco_frame(built._replace(walker=built.body).seen, middle)
+    yield "body", _to_mujoco_frame(built._replace(walker=built.body).walker_with_cap, middle)
     for name, limb, leg, mesh in zip(names.leg_names(design), design.limbs, mass.legs, built.legs, strict=True):
         anchor = np.array([*leg.anchor, limb.across]) + O
         anchor = np.zeros(3) if leg.m > 0.0 else anchor

@@ -46,7 +46,7 @@ def side_profile(design: Design) -> list[Polygon]:
     """
     import shapely
 
-    body, limbs = solids.outline(design)
+    body, limbs = solids.side_view(design)
     legs = [part + np.array(limb.anchor) for limb, parts in zip(design.limbs, limbs, strict=True) for part in parts]
     united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
     if not isinstance(united, shapely.Polygon):

@@ -107,7 +107,7 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
         for name, data in plates.layout_files(layout, "family", draw, request.prusaslicer):
             folder.write(f"plates/{name}", data)
         parts = [*(member.name for member in walkers), *weighed_masses.carried_rows(inputs.design)]
-        weighed_masses.write_template(path, parts)  # people's: not in the manifest
+        weighed_masses.write_form(path, parts)  # people's: not in the manifest
         progress("plates", len(walkers) + 1, steps)
         written = report.make_report(inputs.design, inputs.scene, request.mode, walkers, path)
         written.write(folder, pictures=False)

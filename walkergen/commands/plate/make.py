@@ -268,5 +268,5 @@ def _write_forms(members: Sequence[Design], rows: Sequence[CopyPosition], folder
     written = []
     for name, copies in items.items():
         form_rows = [*copies, *weighed_masses.carried_rows(names.group_by_design(members)[name][0])]
-        written.append(weighed_masses.write_template(folder, form_rows, weighed_masses.form_name(members, name)))
+        written.append(weighed_masses.write_form(folder, form_rows, weighed_masses.form_name(members, name)))
     return [path for path in written if path is not None]

@@ -73,8 +73,8 @@ class Body(Section):
     """Whether the shape is mirrored: its front becomes its back."""
 
     @model_validator(mode="after")
-    def _check_one_source(self) -> "Body":
-        """Check that the keys of the body do not contradict each other."""
+    def _check_contradictions(self) -> "Body":
+        """Raise ValueError if keys of the body contradict each other."""
         sources = [key for key in SOURCE_KEYS if getattr(self, key) is not None]
         if len(sources) > 1:
             raise ValueError(f"{' and '.join(sources)} each give the body a shape: keep one of them")
@@ -88,9 +88,9 @@ class Body(Section):
             raise ValueError("text holds bytes that are not UTF-8: write it again")
         if self.font is not None and self.text is None:
             raise ValueError("font applies only to body.text")
-        if not self.sourced and (self.base or self.mirror):
+        if not self.is_flat_or_mesh and (self.base or self.mirror):
             raise ValueError("base and mirror apply only to a text, an outline or a mesh")
-        if self.sourced and self.base and self.legs_below_mm is not None:
+        if self.is_flat_or_mesh and self.base and self.legs_below_mm is not None:
             raise ValueError("base and legs_below_mm: a finished walker has no base plate. Remove one of them.")
         if self.scale_mm is not None and self.given_length_mm is not None:
             raise ValueError("scale_mm and length_mm each give the size: keep one of them")
@@ -104,7 +104,7 @@ class Body(Section):
         return self
 
     def _derived_keys(self, source: str) -> set[str]:
-        """Return the size keys that follow from a source key, such as "outline", so that users must not set them."""
+        """Return the size keys that a source key such as "outline" determines, so that users must not set them."""
         flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
         return {
             "profile_mm": {"length_mm", "thickness_mm"},
@@ -114,13 +114,21 @@ class Body(Section):
         }[source]
 
     @classmethod
-    def replace_source(
+    def drop_old_shape_keys(
         cls, table: Mapping[str, Any], source: str, former: "Body", values: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Return the keys of a body after a change of its shape, without keys that described the old shape.
+        """Return the table [body] after a change of the body's shape, without the keys of its old shape.
 
-        `table` has all keys and values after the change, and `source` is the new source key, such as "outline".
-        `former` is the body before the change. Keys in `values`, which users set as "body.length_mm", are kept.
+        Parameters
+        ----------
+        table : mapping
+            Table with the change, in which the keys of both shapes are still set.
+        source : str
+            Key that gives the new shape, one of SOURCE_KEYS.
+        former : Body
+            Body before the change.
+        values : mapping
+            Values that the user has just set, by keys such as "body.length_mm". They are kept.
         """
         dropped = set(SOURCE_KEYS) - {source}
         if getattr(former, source) is None:
@@ -131,14 +139,14 @@ class Body(Section):
         return {key: value for key, value in table.items() if key not in dropped or f"body.{key}" in values}
 
     @property
-    def sourced(self) -> bool:
-        """Whether the shape comes from a text, an outline or a mesh."""
+    def is_flat_or_mesh(self) -> bool:
+        """Whether the shape comes from a text, an outline or a mesh. A rectangle and profile_mm are none of these."""
         return self.flat or self.mesh is not None
 
     @property
     def scales_with_length(self) -> bool:
         """Whether length_mm scales the whole shape."""
-        return self.sourced and self.outline != "polygon" and self.legs_below_mm is None
+        return self.is_flat_or_mesh and self.outline != "polygon" and self.legs_below_mm is None
 
     def with_keys(self, **keys: Any) -> "Body":
         """Return the body with other values of the given keys. A given length_mm replaces scale_mm and depth_mm."""
@@ -154,7 +162,7 @@ class Body(Section):
         return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
 
     @property
-    def idle(self) -> set[str]:
+    def unused_keys(self) -> set[str]:
         """Names of the keys that have no effect on a body of this shape."""
         keys = {key for key in SOURCE_KEYS if getattr(self, key) is None}
         for key in set(SOURCE_KEYS) - keys:
@@ -164,7 +172,7 @@ class Body(Section):
             **dict.fromkeys(("font", "rails_mm"), self.text is not None),
             **dict.fromkeys(("scale_mm", "repair"), bool(self.mesh or self._drawing)),
             **dict.fromkeys(("up", "forward", "legs_below_mm"), bool(self.mesh)),
-            **dict.fromkeys(("base", "mirror"), self.sourced),
+            **dict.fromkeys(("base", "mirror"), self.is_flat_or_mesh),
         }
         return keys | {key for key, needed in needs.items() if not needed}
 
@@ -238,7 +246,7 @@ class Shape(NamedTuple):
 
 
 def lay_down(plan: Mesh, size: Size) -> Mesh:
-    """Turn an extruded plan view into the design's frame: x stays, up on the page becomes -z, the extrusion y."""
+    """Rotate the mesh of an extruded plan view to the design's frame: y on the page becomes -z, the extrusion y."""
     x, v, w = plan.vertices.T
     return Mesh(np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v]), plan.triangles)
 

@@ -40,8 +40,8 @@ class Design(WalkerSpec):
     Notes
     -----
     The body's middle is the origin of the x-y plane, with y up. Feet lie behind their anchors for a positive tilt.
-    `pair`: two equal legs in the table [legs]. `placed`: legs are placed automatically. `whole`: the body is a mesh of
-    a finished walker. `follows`: at least one leg has the family's tilt. `parts`: motor and battery.
+    The family tilt is the tilt in which the members of a family differ: `legs.tilt_deg` of two equal legs. In a list of
+    legs it is `leg_tilt_deg`, which applies to the legs without a tilt of their own.
 
     References
     ----------
@@ -57,7 +57,7 @@ class Design(WalkerSpec):
     @model_validator(mode="before")
     @classmethod
     def _level_stance(cls, data: Any) -> Any:
-        """Return the keys of a walker before validation. If `stance = "as built"`, turn it until its feet are level."""
+        """Return a walker's data before validation. If stance is "as built", the walker is turned to level its feet."""
         if not isinstance(data, Mapping):
             return data
         data = merge_walker_table(data)
@@ -107,8 +107,8 @@ class Design(WalkerSpec):
 
     @property
     def tilt_deg(self) -> float:
-        """Tilt that identifies a member of a family, degrees: the tilt that legs share, or that of the first leg."""
-        return resolve.family_tilt_deg(self)
+        """Tilt that identifies a member of a family, deg: the family tilt, or the first leg's tilt if no leg has it."""
+        return resolve.member_tilt_deg(self)
 
     @property
     def rigid(self) -> bool:
@@ -121,7 +121,7 @@ class Design(WalkerSpec):
         notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
         return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.has_automatic_legs else tuple(notes)
 
-    def with_numbered_legs(self) -> "Design":
+    def with_explicit_leg_positions(self) -> "Design":
         """Return the design with the automatic positions of its legs written as numbers, which a user can edit.
 
         Returns
@@ -290,7 +290,7 @@ class Design(WalkerSpec):
 
     @property
     def mark(self) -> str:
-        """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
+        """Text of the mark on the printed part: its tilt in digits, its letters, its notches drawn as #, or ""."""
         if self.marks.blank:
             return ""
         return resolve.load_readers().format_mark(self.marks, self.family.tilt_deg, self.tilt_deg)

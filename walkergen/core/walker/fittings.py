@@ -16,7 +16,7 @@ from walkergen.core.walker.limbs import Coordinate
 MAX_SERIAL = 99_999
 """Largest serial number."""
 
-PLACE_KEYS = ("along_mm", "up_mm", "across_mm")
+POSITION_KEYS = ("along_mm", "up_mm", "across_mm")
 """Keys of a position, in the order of the design's axes x, y and z."""
 
 MIN_FLOOR_MM = 0.4
@@ -41,7 +41,7 @@ class Marks(Section):
 
     @property
     def blank(self) -> bool:
-        """Whether there is no mark."""
+        """Whether there is neither a mark nor a serial number."""
         return self.kind == "none" and self.serial is None
 
     @property
@@ -158,12 +158,12 @@ class Cylinder(NamedTuple):
 
     @property
     def half(self) -> tuple[float, float, float]:
-        """Half its extent along x, y and z, mm."""
+        """Half the cylinder's extent along x, y and z, mm."""
         x, y, z = (0.5 * self.height if i == self.axis else self.radius for i in range(3))
         return x, y, z
 
     def centre_in_design(self, depth: float) -> tuple[float, float, float]:
-        """Return its middle in the design's frame, where a body of this depth (mm) begins at z = 0."""
+        """Return the cylinder's middle, mm, in the design's frame, where a body of this depth (mm) begins at z = 0."""
         x, y, z = self.centre
         return x, y, z + 0.5 * depth
 
@@ -257,11 +257,24 @@ class Pockets(Section):
     """Mass of the glue, shared by motor and battery and distributed like them."""
 
 
-def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot_height: float) -> list[str]:
+def find_fit_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot_height: float) -> list[str]:
     """Return a message for each size or position with which a part does not fit into the body's box.
 
-    `parts` are by the names of their tables, such as "motor". `foot_height` is that of the feet from the middle of the
-    body, mm. For bodies of other shapes `pockets.cut_pockets` checks that there is plastic around a pocket.
+    Parameters
+    ----------
+    parts : mapping
+        Motor and battery, by the names of their tables.
+    pockets : Pockets
+        Settings of the pockets.
+    size : Size
+        Size of the body's box, mm.
+    foot_height : float
+        Height of the lowest foot from the middle of the body, mm. It is negative.
+
+    Returns
+    -------
+    list of str
+        Messages. Whether plastic surrounds a pocket in a body of any shape is checked by `pockets.cut_pockets`.
     """
     return [
         f"{name}.{problem}"
@@ -271,11 +284,11 @@ def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot
 
 
 def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_height: float) -> Iterator[str]:
-    """Yield the problems of one part as texts that begin with its key. `foot_height` is from the body's middle."""
+    """Yield the reasons why one part does not fit into the body's box, as texts that begin with a key of the part."""
     cylinder = part.cylinder
-    for axis, key in enumerate(PLACE_KEYS):
+    for axis, key in enumerate(POSITION_KEYS):
         value, half = cylinder.centre[axis], cylinder.half[axis] + clearance
-        low, high = _place_limits(part.opens, axis, half, size[axis])
+        low, high = _position_limits(part.opens, axis, half, size[axis])
         if low > high:
             size_key = "height_mm" if axis == cylinder.axis else "diameter_mm"
             needed = 2.0 * (half + MIN_FLOOR_MM)
@@ -295,7 +308,7 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_hei
                 f"floor and walls keep {MIN_FLOOR_MM:g} mm. Move it, or make the body larger."
             )
     gap = cylinder.centre[1] - cylinder.half[1] - foot_height
-    low, _ = _place_limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
+    low, _ = _position_limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
     if gap < MIN_PLATE_DISTANCE_MM and cylinder.centre[1] >= low:
         yield (
             f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate. It needs "
@@ -303,7 +316,7 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_hei
         )
 
 
-def _place_limits(opens: Opening, axis: int, half_width: float, body_size: float) -> tuple[float, float]:
+def _position_limits(opens: Opening, axis: int, half_width: float, body_size: float) -> tuple[float, float]:
     """Return the range, mm from the body's middle, in which a pocket's middle may lie along axis 0, 1 or 2 (x, y, z).
 
     `half_width` is half the size of the pocket along this axis, and `body_size` the size of the body, mm.

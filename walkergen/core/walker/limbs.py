@@ -65,7 +65,7 @@ class Leg(Section):
 
     kind: Kind = "flexible"
     tilt_deg: Tilt | None = None
-    """Tilt of this leg, deg. None: the tilt of the family (the design's leg_tilt_deg)."""
+    """Tilt of this leg, deg. None: the family tilt (the design's leg_tilt_deg)."""
     mirrored: bool = False
     """Whether the leg leans the other way, with minus its tilt."""
     length_mm: Length = 7.5
@@ -161,9 +161,9 @@ class Strut(NamedTuple):
 
 
 def embedding_height(bottom: float) -> float:
-    """Return the height of legs inside a body with a flat underside at `bottom`, mm.
+    """Return how far legs reach up into a body, mm: a quarter of its thickness, so that leg and body overlap.
 
-    It is a quarter of the body's thickness, so that the parts of the union overlap rather than touch.
+    `bottom` is the height of the body's flat underside from its middle, mm, and negative.
     """
     return -0.5 * bottom
 
@@ -175,7 +175,19 @@ def resolve_pair(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
 
 
 def resolve_leg(leg: Leg, default_tilt_deg: float, depth: float, bottom: float) -> Limb:
-    """Return a leg of a list on a body `depth` mm deep with its underside at height `bottom`, mm."""
+    """Return a leg of a list, on a body `depth` mm deep with its underside at height `bottom`, mm.
+
+    Parameters
+    ----------
+    leg : Leg
+        Keys of the leg.
+    default_tilt_deg : float
+        Tilt of a leg whose keys set none, degrees.
+    depth : float
+        Depth of the body, mm.
+    bottom : float
+        Height of the body's underside from its middle, mm.
+    """
     tilt = default_tilt_deg if leg.tilt_deg is None else leg.tilt_deg
     thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
     limb = _make_limb(leg, 0.0 - tilt if leg.mirrored else tilt, thickness, leg.along_mm, depth, bottom)

@@ -117,7 +117,7 @@ class MassProperties(NamedTuple):
 
 
 def weigh(mesh: Mesh, density: float) -> SolidMass:
-    """Weigh a closed mesh: mass (g), centre (mm), inertia tensor (g mm^2); density in g/mm^3.
+    """Compute the mass properties of a closed mesh of uniform density, g/mm^3.
 
     Exact for polyhedra up to rounding. Source: the divergence theorem summed over the tetrahedra
     between the local origin and each triangle.
@@ -223,8 +223,8 @@ def to_centre_frame(limbs: Sequence[Limb], mass: MassProperties, points: Array) 
     return np.asarray(points) - O
 
 
-def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
-    """Return the mass properties of the same shape with a weighed mass, g. None leaves them unchanged."""
+def scale_to_weighed_mass(part: SolidMass, weighed_mass: float | None) -> SolidMass:
+    """Return a solid's mass properties scaled to its weighed mass, g. Without a weighed mass they are unchanged."""
     if weighed_mass is None:
         return part
     return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)

@@ -30,7 +30,7 @@ def tilt_name(design: Design) -> str:
 
 
 def race_name(members: Sequence[Design]) -> str:
-    """Return the name for several walkers of one design together, such as race_t05.0-t10.0_flexible."""
+    """Return the file name for a race of several walkers of one design, such as race_t05.0-t10.0_flexible."""
     tilts = dict.fromkeys(tilt_name(design) for design in members)
     kinds = dict.fromkeys(design.kind for design in members)
     return f"race_{'-'.join(tilts)}_{'-'.join(kinds)}"
@@ -62,7 +62,7 @@ def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
 
 
 def design_letters(members: Sequence[Design]) -> dict[str, str]:
-    """Return a letter for the name of each design, as pictures show it: A to Z, then AA, empty for one design."""
+    """Return the letter that pictures show for each design, by its name: A to Z, then AA. For one design, return {}."""
     designs = list(group_by_design(members))
     return {} if len(designs) == 1 else {name: _column_letters(index) for index, name in enumerate(designs)}
 

@@ -47,9 +47,9 @@ def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh])
     cut = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
     if any(len(modeller.split_bodies(piece)) != 1 for piece in cut):
         raise GeometryError(
-            f"{_format_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces. "
+            f"{_format_position(next(iter(design.parts)), design)}: the pockets cut the body into pieces. "
             "Move them, or make the body larger.",
-            _place_key(next(iter(design.parts))),
+            _position_key(next(iter(design.parts))),
         )
     return modeller.to_mesh(cut[0]), modeller.to_mesh(cut[1])
 
@@ -77,7 +77,7 @@ def without_pockets(design: Design) -> Design:
 
 
 def part_meshes(design: Design) -> dict[str, Mesh]:
-    """Return the meshes of a design's parts, without clearance, in the design's frame."""
+    """Return meshes of a design's motor and battery, by the names of their tables, in the design's frame."""
     return {
         name: modeller.to_mesh(_convex_hull(_cylinder_points(part.cylinder, design, 0.0)))
         for name, part in design.parts.items()
@@ -206,9 +206,9 @@ def _check_overlap(design: Design) -> None:
     shared = modeller.check_solid(motor ^ battery).volume()
     if shared > ROUNDING_SHARE * motor.volume():
         raise GeometryError(
-            f"{_format_place('motor', design)}: motor and battery overlap (by {shared:.3g} "
+            f"{_format_position('motor', design)}: motor and battery overlap (by {shared:.3g} "
             "mm3). Move one of them (along_mm, across_mm, up_mm).",
-            _place_key("motor"),
+            _position_key("motor"),
         )
 
 
@@ -224,9 +224,9 @@ def _check_leg_clear(name: str, cut: manifold3d.Manifold, legs: Sequence[manifol
             if name == "channel":
                 what, remedy = "the channel", "Make it narrower (0 for none), or move the motor."
             raise GeometryError(
-                f"{_format_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
+                f"{_format_position(name, design)}: {what} cuts leg {number}, or its root in the body (by "
                 f"{lost:.3g} mm3). {remedy}",
-                _place_key(name),
+                _position_key(name),
             )
 
 
@@ -243,7 +243,7 @@ def _check_floor(
         modeller.check_solid(lost).volume() / floor.volume() for lost in (floor - body, floor ^ body ^ other_pocket)
     )
     if outside + shared > ROUNDING_SHARE:
-        where, key = "outside the body or over a hole", _place_key(name)
+        where, key = "outside the body or over a hole", _position_key(name)
         if shared > outside:
             where, key = f"in the pocket of the {'motor' if name == 'battery' else 'battery'}", f"{name}.up_mm"
         raise GeometryError(
@@ -254,12 +254,12 @@ def _check_floor(
         )
 
 
-def _format_place(name: str, design: Design) -> str:
+def _format_position(name: str, design: Design) -> str:
     """Format, as "key = value", the position of a part along the body, or the width of the "channel"."""
     value = design.pocket_settings.channel_mm if name == "channel" else design.parts[name].along_mm
-    return f"{_place_key(name)} = {value:g}"
+    return f"{_position_key(name)} = {value:g}"
 
 
-def _place_key(name: str) -> str:
+def _position_key(name: str) -> str:
     """Return the key of a part's position along the body, or of the width of the "channel"."""
     return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

@@ -16,7 +16,7 @@ import numpy as np
 from walkergen.core.errors import GeometryError, Remedy
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import Body, Shape, Size, rectangle_shape
-from walkergen.core.walker.fittings import Cap, Marks, place_problems
+from walkergen.core.walker.fittings import Cap, Marks, find_fit_problems
 from walkergen.core.walker.limbs import Legs, Limb, Polygon, resolve_leg, resolve_pair
 from walkergen.core.walker.mass import SolidMass
 from walkergen.core.walker.sections import section_of
@@ -54,12 +54,12 @@ class Readers(Protocol):
 
 
 def load_readers() -> Readers:
-    """Load the readers."""
+    """Import and return `walkergen.readers`, the functions that read files and place legs."""
     return cast(Readers, import_module("walkergen.readers"))
 
 
 def shape_of(body: Body) -> Shape:
-    """Return the shape of a body. Raises GeometryError, and InputError for files."""
+    """Return the shape of a body. Raises GeometryError if it has none, and InputError if a file cannot be read."""
     if body.plain:
         return rectangle_shape(body.length_mm, body.thickness_mm, body.depth_mm)
     return load_readers().shape_of(body)
@@ -82,7 +82,7 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
     if isinstance(legs, Legs):
         limbs = resolve_pair(legs, depth, bottom)
     else:
-        limbs = tuple(resolve_leg(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
+        limbs = tuple(resolve_leg(leg, spec.family_tilt_of_list_deg, depth, bottom) for leg in legs)
     if spec.body.plain or spec.body.flat:
         return limbs
     return load_readers().extend_legs(spec.body.key, limbs)
@@ -95,11 +95,11 @@ def describe_placement(spec: WalkerSpec) -> str:
     return words
 
 
-def family_tilt_deg(spec: WalkerSpec) -> float:
-    """Return the tilt that distinguishes members of a family, degrees. A finished walker has that of its first leg."""
+def member_tilt_deg(spec: WalkerSpec) -> float:
+    """Return the tilt that identifies a member of a family, deg; of a finished walker the tilt of its first leg."""
     if spec.is_complete_mesh:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
-    return spec.written_tilt_deg
+    return spec.tilt_from_keys_deg
 
 
 def check_buildable(spec: WalkerSpec) -> None:
@@ -116,7 +116,7 @@ def check_buildable(spec: WalkerSpec) -> None:
         faults += _mark_faults(spec, shape.size)
     if not faults and spec.parts:
         foot_height = min(limb.foot_height for limb in place_legs(spec))
-        faults = place_problems(spec.parts, spec.pocket_settings, shape.size, foot_height)
+        faults = find_fit_problems(spec.parts, spec.pocket_settings, shape.size, foot_height)
     if spec.pockets is not None and not spec.parts:
         faults.append(
             "pockets = ...: there is no motor or battery. Add a table [motor] or [battery], or remove [pockets]."
@@ -138,15 +138,15 @@ def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
 
 
 def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
-    """Return the reasons why marks, of which the walker has some, do not fit the body, one line each.
+    """Return the reasons why the marks of a walker do not fit its body, one line each. The walker must have marks.
 
-    Letters that are the body are marked in place of other bodies' digits: `text` on their upper side.
+    Letters on a body in plan view are checked on its upper side.
     """
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
     faults = load_readers().mark_problems(
-        marks, spec.family.tilt_deg, family_tilt_deg(spec), (length, thickness, depth)
+        marks, spec.family.tilt_deg, member_tilt_deg(spec), (length, thickness, depth)
     )
     if spec.body.plain or (spec.letters and spec.body.flat):
         return faults

@@ -49,12 +49,12 @@ class Solids(NamedTuple):
     """Mass of the body at 1 g/mm^3, if it is already known."""
 
     @property
-    def seen(self) -> Mesh:
+    def walker_with_cap(self) -> Mesh:
         """Mesh of the walker with its cap, which is not one closed body."""
         return self.walker if self.cap is None else _concatenate_meshes([self.walker, self.cap])
 
 
-class Outline(NamedTuple):
+class SideView(NamedTuple):
     """Polygons of a walker seen from the side, counter-clockwise, shape (n, 2), mm."""
 
     body: Polygon
@@ -292,13 +292,13 @@ def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
     return mesh._replace(vertices=turned)
 
 
-def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
-    """Return polygons whose union, with each leg at its anchor, is the side view of the walker.
+def side_view(design: Design, foot_segments: int = FOOT_SEGMENTS) -> SideView:
+    """Return the polygons of a walker's side view: its body, and each leg with its anchor at the origin.
 
-    For a body that is no prism in side view the polygon is its box.
+    For a body that is no prism in side view its polygon is its box.
     """
     sections = _leg_profiles(design.limbs, foot_segments)
-    return Outline(_body_profile(design), tuple(section.raised for section in sections))
+    return SideView(_body_profile(design), tuple(section.raised for section in sections))
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
@@ -308,7 +308,7 @@ def weigh(design: Design, solids: Solids) -> MassProperties:
 
 
 def mass_of(design: Design) -> MassProperties:
-    """Compute the mass properties of a design's own solids, without their union if possible.
+    """Build the solids of a design and compute the mass properties of the walker.
 
     Parameters
     ----------
@@ -366,7 +366,7 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
     if cap is not None and design.cap is not None:
         cap_mass = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
         whole = mass.combine_solids([whole, cap_mass])
-    top = mass.rescale(whole, design.weighed.body_mass_g)
+    top = mass.scale_to_weighed_mass(whole, design.weighed.body_mass_g)
     if design.parts:
         from walkergen.core.walker import pockets
 
@@ -379,7 +379,7 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
     prisms = design.body.plain or design.body.flat
     for limb, part in zip(limbs, meshed, strict=True):
         weighed = design.weighed.leg_mass_g
-        leg_mass = mass.rescale(part, None if weighed is None else weighed * (part.mass / mean))
+        leg_mass = mass.scale_to_weighed_mass(part, None if weighed is None else weighed * (part.mass / mean))
         c_A = leg_mass.centre[:2]
         # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
         offset_across = 0.0 if prisms else float(leg_mass.centre[2]) - 0.5 * limb.width

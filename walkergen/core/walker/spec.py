@@ -131,12 +131,15 @@ class WalkerSpec(Section):
     @model_validator(mode="before")
     @classmethod
     def _merge_walker(cls, data: Any) -> Any:
-        """Replace the table [walker] of a finished walker, before the keys are validated."""
+        """Replace the table [walker] of a finished walker by [body] and [legs], before the keys are validated."""
         return merge_walker_table(data) if isinstance(data, Mapping) else data
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return a walker's data from a drawing, picture or mesh, else None. Raises InputError for CAD files."""
+        """Return the data of a walker whose body is this drawing, picture or mesh, or None for another kind of file.
+
+        Raises InputError for a CAD file.
+        """
         ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
         if ending in CAD_SUFFIXES:
             raise InputError(f"{path}: it is a CAD file. Export it as STL or 3MF, in mm, from its program.")
@@ -172,7 +175,7 @@ class WalkerSpec(Section):
         if not isinstance(body, dict) or (source is None and "body" not in values):
             return data
         if source is not None:
-            data["body"] = Body.replace_source(body, source, self.body, values)
+            data["body"] = Body.drop_old_shape_keys(body, source, self.body, values)
             if source != "profile_mm" and not any(key.partition(".")[0] == "family" for key in values):
                 data["family"] = copy.deepcopy(DEFAULT_FAMILY)
             if "name" not in values:
@@ -190,7 +193,7 @@ class WalkerSpec(Section):
         return data
 
     def _without_positions(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
-        """Return the legs' data for a new shape of the body, without positions except those in `values`.
+        """Return the data of the legs for a new shape of the body, without positions that are not in `values`.
 
         A list of legs becomes the table of two equal legs, unless `keep_list`.
         """
@@ -199,7 +202,7 @@ class WalkerSpec(Section):
         first = self.legs if isinstance(self.legs, Legs) else self.legs[0]
         pair = {
             "kind": self.kind,
-            "tilt_deg": self.written_tilt_deg,
+            "tilt_deg": self.tilt_from_keys_deg,
             "length_mm": legs[0].get("length_mm", 7.5),
             "foot": first.foot,
         }
@@ -238,28 +241,31 @@ class WalkerSpec(Section):
 
     @property
     def kind(self) -> Kind:
-        """Kind of legs: that of the first leg that is not rigid, or of the first leg."""
+        """Kind of legs: that of the first leg that is not rigid, or of the first leg if all are rigid."""
         kinds = [self.legs.kind] if isinstance(self.legs, Legs) else [leg.kind for leg in self.legs]
         return next((kind for kind in kinds if kind not in RIGID_KINDS), kinds[0])
 
     @property
-    def written_tilt_deg(self) -> float:
-        """Tilt in the file, degrees: of the legs that have the family's tilt, otherwise of the first leg."""
+    def tilt_from_keys_deg(self) -> float:
+        """Tilt of the walker according to its keys, deg: the family tilt, or the first leg's tilt if no leg has it.
+
+        A mirrored first leg has minus its `tilt_deg`. The keys of a finished walker do not define its tilt.
+        """
         if isinstance(self.legs, Legs):
             return self.legs.tilt_deg
         first = self.legs[0]
         if self.has_family_tilt or first.tilt_deg is None:
-            return self.followed_tilt_deg
+            return self.family_tilt_of_list_deg
         return 0.0 - first.tilt_deg if first.mirrored else first.tilt_deg
 
     @property
-    def followed_tilt_deg(self) -> float:
-        """Tilt of the legs of a list without a tilt of their own, deg."""
+    def family_tilt_of_list_deg(self) -> float:
+        """Family tilt of a list of legs, deg: `leg_tilt_deg`, or 10 if it is not set."""
         return DEFAULT_TILT_DEG if self.leg_tilt_deg is None else self.leg_tilt_deg
 
     @property
     def has_family_tilt(self) -> bool:
-        """Whether at least one leg has the family's tilt."""
+        """Whether at least one leg has the family tilt, which varies from member to member of a family."""
         if isinstance(self.legs, Legs):
             return not self.is_complete_mesh
         return any(leg.tilt_deg is None for leg in self.legs)

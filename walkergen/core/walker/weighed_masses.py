@@ -52,7 +52,7 @@ class Weighings(NamedTuple):
 
     @property
     def number(self) -> int:
-        """Number of weighings."""
+        """Number of weighings, of all three masses together."""
         return sum(int(mean.freedom) + 1 for mean in self if mean is not None)
 
 
@@ -74,31 +74,28 @@ def carried_rows(design: Design) -> tuple[str, ...]:
     return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 
-def format_template(parts: Iterable[str]) -> str:
-    """Return the text of a weights.csv to fill in: a line for every part, without numbers."""
+def format_form(parts: Iterable[str]) -> str:
+    """Return the text of a blank form, a weights.csv with a line for every part and no masses."""
     return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
 
 
 def is_filled_in(path: Path) -> bool:
-    """Return whether a file differs from an unfilled form for walkers, False without a file. Raises InputError."""
+    """Return whether a file is anything but a blank form of walkers; False without a file. Raises InputError."""
     parts = _read_blank_form(path)
     return parts is None or not all(names.is_part_name(part) or part in CARRIED_ROWS for part in parts)
 
 
 def _read_blank_form(path: Path) -> list[str] | None:
-    """Return the parts of an unfilled form, [] without a file, or None if the file is no unfilled form.
-
-    Raises InputError.
-    """
+    """Return the parts in a blank form, [] without a file, or None if the file is no blank form. Raises InputError."""
     if not os.path.lexists(path):
         return []
     data = file_reading.read_bytes(path, MAX_BYTES)
     parts = [row.partition(",")[0] for row in data.decode("utf-8", "replace").splitlines()[1:]]
-    return parts if data == format_template(parts).encode() else None
+    return parts if data == format_form(parts).encode() else None
 
 
 def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
-    """Read the mean mass of every walker, and of its motor and battery, by name. Copies (NAME-3) are averaged.
+    """Read the mean weighed masses of walkers, motors and batteries from a form, by name. Copies (NAME-3) are averaged.
 
     Names may begin with the design's name, as on plates of several designs. Walkers of the same designs that are not
     members are left out, and `unused_parts` names them: a form is of a whole family. Raises InputError when the file is
@@ -235,10 +232,23 @@ def without_weighed_masses(design: Design) -> Design:
     return design.model_copy(update={"weighed": plain})
 
 
-def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
-    """Return the mass of a walker, `grams`, with its standard error: that of whole walkers, or of body and legs.
+def mass_with_error(grams: float, weighed: Weighings, legs: int) -> Quantity:
+    """Return the mass of a walker, `grams`, as a quantity with the standard error of its weighings.
 
-    `legs` is the number of legs. Without these weighings the error is None.
+    Parameters
+    ----------
+    grams : float
+        Mass of the walker, g.
+    weighed : Weighings
+        Mean weighed masses.
+    legs : int
+        Number of legs.
+
+    Returns
+    -------
+    Quantity
+        Mass in g. If whole walkers were weighed, its error is that of their mean. Otherwise it follows from the
+        weighings of body and legs. It is None if these are missing.
     """
     whole, body, leg = (mean and mean.se for mean in weighed)
     if weighed.grams is None and body is not None and leg is not None:
@@ -354,8 +364,8 @@ def _mean_mass(values: Sequence[float]) -> Quantity:
     return Quantity("mass", "g", float(np.mean(values)), error, count - 1.0)
 
 
-def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
-    """Write the form folder/NAME, and return its path, or None if a user has changed the form.
+def write_form(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
+    """Write a blank form, folder/NAME, and return its path, or None if a user has changed the form.
 
     A form of the same parts in another order stays unchanged: a user may have sorted it. Raises InputError and
     OutputError.
@@ -364,5 +374,5 @@ def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) ->
     if is_filled_in(path):
         return None
     if sorted(_read_blank_form(path) or ()) != sorted(rows):
-        output.write(path, format_template(rows).encode())
+        output.write(path, format_form(rows).encode())
     return path

@@ -110,7 +110,7 @@ class Shot(NamedTuple):
 
 def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """Return the shot of a run: its poses with mesh, outline and impacts of the walker."""
-    mesh, O = build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
+    mesh, O = build(design).walker_with_cap, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,
         mesh=mesh.shift(-O),

@@ -163,7 +163,7 @@ def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
     kinds_of_changes: list[list[tuple[str, dict[str, Any]]]] = [
         [("read it in inches", {"scale_mm": INCH_MM})] if _is_tiny(body) else [],
         [("lay it down", axes) for axes in _other_orientations(body)],
-        [("put a plate under it", {"base": True})] if body.sourced and not body.base else [],
+        [("put a plate under it", {"base": True})] if body.is_flat_or_mesh and not body.base else [],
         [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < MAX_LENGTH_MM],
     ]
     remedies = []
