@@ -77,7 +77,7 @@ def plastic_mass(effort: Effort) -> Iterator[Claim]:
         design = paper_design(tilt, "braced" if kind == "braced" else "flexible").unmarked
         built = solids.build(design)
         printer = templates.load("prusa-mk3s", "printers", Printer)
-        weight = print_sheet.weigh("walker", design, built, printer)
+        weight = print_sheet.expected_masses("walker", design, built, printer)
         mesh = export.stl_bytes(built.walker, "walker")
         volume = filament_volume(program, mesh, slicer.prusaslicer_print(printer))
         if volume is None:

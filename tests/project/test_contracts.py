@@ -214,4 +214,4 @@ def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
         assert max(gaps) >= packing.spacing(printer) - 2e-5
     scene = trimesh.load(io.BytesIO(data), file_type="3mf")
     assert all(mesh.is_watertight for mesh in scene.geometry.values())
-    assert len(scene.graph.nodes_geometry) == len(found.items) == len(plates.list_places(layout)) == 2
+    assert len(scene.graph.nodes_geometry) == len(found.items) == len(plates.list_copy_positions(layout)) == 2

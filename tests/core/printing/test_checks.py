@@ -67,7 +67,7 @@ def test_legs_in_printed_lines(lines, level):
 
 def test_a_warning_holds_the_deviation_that_the_flow_model_expects():
     (warning,) = [one for one in find(design_of(), ENDER) if one.level == "warning"]
-    assert warning.seen == pytest.approx(100 * walls.deviation(0.4, ENDER))
+    assert warning.seen == pytest.approx(100 * walls.plastic_deviation(0.4, ENDER))
     assert warning.seen == pytest.approx(-10.7, abs=0.1)  # measured: -10.7, layers of 0.2 mm
     assert (warning.limit, warning.unit) == (10.0, "%")
     assert "0.43 mm would do" in warning.change

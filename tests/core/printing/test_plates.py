@@ -243,7 +243,7 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
             label = None
         elif label and (move := re.match(r"G1 X([-\d.]+) Y([-\d.]+) E\d", line)):
             found.setdefault(label, []).append((float(move[1]), float(move[2])))
-    rows = plates.list_places(layout)
+    rows = plates.list_copy_positions(layout)
     names = list(dict.fromkeys(row.name for row in rows))
     wanted = {f"{row.name} id:{names.index(row.name)} copy {row.copy - 1}": row for row in rows}
     assert set(found) == set(wanted)

@@ -85,7 +85,7 @@ def test_every_leg_has_plastic_in_every_layer(sliced_family):
 def test_legs_get_the_plastic_that_the_checks_promise(sliced_family):
     for walker in sliced_family.walkers:
         mesh = mass.weigh(solids.build(walker.design).legs[0], 1.0).volume
-        promised = walls.leg_plastic(walker.limb, walker.printer)
+        promised = walls.leg_plastic_ratio(walker.limb, walker.printer)
         tolerance = section_of(walker.limb).PLASTIC_TOLERANCE
         assert walker.legs.sum(axis=0) / mesh == pytest.approx([promised] * 2, abs=tolerance)
 
@@ -215,7 +215,7 @@ def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line
         low, high = walker.foot + 2.0, walker.bottom - 2.0
         drawn = thickness / np.cos(walker.limb.tilt) * (high - low) * walker.limb.width
         seen = walker.plastic_between(low, high).sum() / (2 * drawn)
-        assert seen - 1.0 == pytest.approx(walls.deviation(thickness, printer), abs=0.01), thickness
+        assert seen - 1.0 == pytest.approx(walls.plastic_deviation(thickness, printer), abs=0.01), thickness
 
 
 def worst(design: Design, printer: Printer) -> str:

@@ -134,7 +134,7 @@ def pairs(element) -> dict[str, str]:
 def test_copies_and_plates_have_names_in_orca_slicer_and_bambu_studio():
     made, files = files_of()
     archive = archive_of(files["p_prusa-mk3s_1.3mf"])
-    wanted = [row.item for row in plates.list_places(made)]
+    wanted = [row.item for row in plates.list_copy_positions(made)]
     assert wanted[1] == "walker_t05.0_flexible_s0.40-2"
     told = ElementTree.fromstring(archive.read("Metadata/model_settings.config"))
     model = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
@@ -193,9 +193,8 @@ def test_the_sheet_states_how_to_load_the_settings_and_the_plastic_of_a_plate():
         assert word in told
     assert all(name in files for name in re.findall(r"`(p_[\w-]+\.\w+)`", told) if ".gc" not in name)
     (one,) = made.plates
-    weighed = [
-        print_sheet.weigh("", design, built, MK3S) for design, built in zip(made.members, made.built, strict=True)
-    ]
+    solids_of = zip(made.members, made.built, strict=True)
+    weighed = [print_sheet.expected_masses("", design, built, MK3S) for design, built in solids_of]
     found = print_sheet.plate_totals(one, made.parts, [each.load for each in weighed], MK3S)
     grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)

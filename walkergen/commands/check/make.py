@@ -43,8 +43,8 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         Wall(
             wall.name,
             wall.thickness,
-            wall.section / printer.line_width_mm,
-            100.0 * walls.deviation(wall.section, printer),
+            wall.thickness_in_layer / printer.line_width_mm,
+            100.0 * walls.plastic_deviation(wall.thickness_in_layer, printer),
         )
         for design in members
         for wall in walls.upright_walls(design)

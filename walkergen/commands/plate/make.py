@@ -142,7 +142,7 @@ def make(request: PlateRequest, inputs: PlateInputs, progress: Progress) -> Plat
                 paths.append(target.path / name)
             target.finish({"caps": [entry.cap.model_dump(mode="json") for entry in capped]})
             paths.append(target.path / target.manifest)
-    rows = [row for layout in layouts for row in plates.list_places(layout)]
+    rows = [row for layout in layouts for row in plates.list_copy_positions(layout)]
     paths += _write_forms(inputs.members, rows, folder)
     report = _report(request.serial, inputs, rows, paths, cap_files.advice(capped) if capped else [])
     return replace(report, warnings=[*warning_lines(findings), *filled_form_warnings(folder, inputs.members)])

@@ -128,8 +128,8 @@ def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
 
     There is advice if its plastic deviates by more than `mass_sd`, a share of the drawn plastic.
     """
-    width, section, slant = printer.line_width_mm, wall.section, wall.slant
-    lines, expected = section / width, walls.deviation(section, printer)
+    width, section, slant = printer.line_width_mm, wall.thickness_in_layer, wall.slant
+    lines, expected = section / width, walls.plastic_deviation(section, printer)
     better = _nearest_good_thickness(wall.thickness, printer, slant)
     change, name = f"{better:g} mm would do", walls.with_article(wall.name)
 
@@ -165,7 +165,7 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
         thickness > walls.vanishing_thickness(printer)
         and lines >= ONE_LINE_RANGE[0]
         and not ONE_LINE_RANGE[1] < lines < TWO_LINES_RANGE[0]
-        and abs(walls.deviation(thickness, printer)) <= MAX_DEVIATION
+        and abs(walls.plastic_deviation(thickness, printer)) <= MAX_DEVIATION
     )
 
 
@@ -213,7 +213,7 @@ def _check_marks(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_layers(design: Design, printer: Printer) -> Iterator[Finding]:
-    """Yield the findings on lengths that are cut into layers: depth and widths, or the thickness."""
+    """Yield the findings on sizes of a walker that are no whole number of layers."""
     height, size = printer.layer_height_mm, design.size
     if solids.is_printed_on_side(design):
         yield from _check_whole_layers(About.BODY, "depth", size.depth, height, "body.depth_mm")
@@ -244,7 +244,7 @@ def _check_whole_layers(part: About, what: str, length: float, height: float, ke
 
 
 def _check_materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
-    """Yield a warning for the first part whose material differs from that of the parts before it."""
+    """Yield a warning for the first part whose material has another density than that of the first part."""
     densities = [design.material.density_g_cm3 for design in designs]
     for density, part in zip(densities, parts, strict=True):
         if density != densities[0]:

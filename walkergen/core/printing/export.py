@@ -121,7 +121,7 @@ def _unzip_files(data: bytes) -> dict[str, bytes]:
 
 
 def _zip_files(files: Mapping[str, bytes]) -> bytes:
-    """Return an archive with files dated 1980-01-01: lib3mf writes a month 0, which no calendar has."""
+    """Return a ZIP archive of files, all dated 1980-01-01: lib3mf writes a month 0, which no calendar has."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
@@ -222,5 +222,5 @@ def _make_uuid(*words: str | int) -> str:
 
 
 def _xml_safe(text: str) -> str:
-    """Return the text with "_" for characters that XML cannot hold."""
+    """Replace characters that XML cannot hold by "_"."""
     return INVALID_XML.sub("_", text)

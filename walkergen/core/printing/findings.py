@@ -63,13 +63,13 @@ class Finding(NamedTuple):
 
     @property
     def seen_text(self) -> str:
-        """Problem and size."""
+        """Problem, the size that was found, and its limit."""
         unit = f" {self.unit}" if self.unit else ""
         return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}"
 
     @property
     def line(self) -> str:
-        """Place and text."""
+        """Place, problem, size and remedy in one line."""
         return f"{self.where}: {self.text}"
 
 

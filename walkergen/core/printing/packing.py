@@ -204,7 +204,7 @@ def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[
 def _center_on_bed(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
     """Return a plate of copies, (part, copy, x, y) each, moved to the middle of the free bed.
 
-    `x`, `y` and `used`, the width and depth of all cells, are in whole micrometres.
+    `x`, `y` and `used` are in whole micrometres. `used` is the width and depth that all copies take, with gaps.
     """
     edge, (bed_width, bed_depth) = border_width(printer), _bed_micrometres(printer)
     right, back = (bed_width - used[0]) // 2, (bed_depth - used[1]) // 2
@@ -219,7 +219,7 @@ def _free_bed(printer: Printer) -> tuple[float, float]:
 
 
 def _bed_micrometres(printer: Printer) -> tuple[int, int]:
-    """Return the size of the free bed in micrometres, plus the gap after the last cell of a row."""
+    """Return the size of the bed inside its border, plus one gap: the last part in a row needs none. Micrometres."""
     width, depth = (math.floor(round(1e3 * length, 6)) for length in _free_bed(printer))
     gap = _round_up_micrometres(spacing(printer))
     return width + gap, depth + gap

@@ -96,8 +96,8 @@ def add_findings(layout: Layout) -> Layout:
     return layout._replace(findings=findings)
 
 
-def list_places(layout: Layout) -> list[CopyPosition]:
-    """List the positions of all copies, plate by plate: the map."""
+def list_copy_positions(layout: Layout) -> list[CopyPosition]:
+    """List the positions of all copies on their plates, plate by plate. They are the rows of the plates' map."""
     rows = []
     for number, plate in enumerate(layout.plates, start=1):
         for placed in plate.placements:
@@ -132,7 +132,7 @@ def layout_files(
     """
     start = f"{stem}_{layout.printer.name}"
     meshes = layout.meshes
-    yield f"{start}.csv", to_csv(list_places(layout)).encode()
+    yield f"{start}.csv", to_csv(list_copy_positions(layout)).encode()
     yield f"{start}.md", _print_sheet(layout, start).encode()
     yield from slicer.settings_files(layout.printer, layout.members[0].material, start)
     for number, plate in enumerate(layout.plates, start=1):
@@ -148,7 +148,7 @@ def layout_files(
 def _print_sheet(layout: Layout, stem: str) -> str:
     """Return the Markdown of the layout's print sheet. Names of its files begin with `stem`."""
     weighed = [
-        print_sheet.weigh(part.name, design, built_solids, layout.printer)
+        print_sheet.expected_masses(part.name, design, built_solids, layout.printer)
         for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
     form = weighed_masses.form_name(layout.members, "DESIGN")
@@ -158,5 +158,5 @@ def _print_sheet(layout: Layout, stem: str) -> str:
 
 
 def to_csv(rows: Sequence[CopyPosition]) -> str:
-    """Format the map as CSV. Lengths are exact to a nanometre."""
+    """Format the positions of copies as CSV, the plates' map. Lengths are exact to a nanometre."""
     return csv_text(CopyPosition._fields, rows)

@@ -109,7 +109,7 @@ class Weight(NamedTuple):
     """Plastic of the whole, its legs as sliced."""
 
 
-def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
+def expected_masses(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     """Compute the expected masses of a walker from its solids, `built`, and from the plastic that the slicer lays."""
     density, is_on_side = 1e-3 * design.material.density_g_cm3, solids.is_printed_on_side(design)
     distinct = {id(mesh): mesh for mesh in built.legs}  # equal legs share theirs
@@ -117,7 +117,7 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     leg_weights = {}
     for limb, mesh in zip(design.limbs, built.legs, strict=True):
         tolerance = section_of(limb).PLASTIC_TOLERANCE if is_on_side else walls.UPRIGHT_TOLERANCE
-        leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, is_on_side), tolerance)
+        leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic_ratio(limb, printer, is_on_side), tolerance)
     whole_g = mass.weigh(built.walker, density).mass
     sliced = whole_g + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
     lying = solids.orient_for_print(design, built.walker)
@@ -147,7 +147,7 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 
 
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
-    """Format the print sheet up to the end of the print. `loads` are the plastic of each part."""
+    """Format the part of the print sheet on printing, without weighing. `loads` are the plastic of each part."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
     settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
     lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]
@@ -178,7 +178,7 @@ def _read_asset(name: str) -> str:
 
 
 def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
-    """Return the sheet's facts for the manifest: PrusaSlicer's settings and every finding."""
+    """Return facts on a print for the manifest: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer),
         "findings": [finding._asdict() for finding in group_findings(findings)],
@@ -186,7 +186,7 @@ def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, A
 
 
 def _insertion_step(batch: Batch) -> str:
-    """Return the step that inserts motor and battery into pockets, or "" if no walker has them."""
+    """Return the print sheet's step to insert motor and battery into pockets, or "" if no walker has them."""
     carried = dict.fromkeys(name for design in batch.members for name in design.parts)
     if not carried:
         return ""

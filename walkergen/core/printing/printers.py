@@ -103,7 +103,7 @@ class Printer(Section):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Read the printer of a slicer's profile.
+        """Return the keys of the printer that a slicer's profile describes.
 
         Parameters
         ----------
@@ -207,7 +207,7 @@ def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
 
 
 def _line_width(values: dict[str, str], nozzle: float) -> float:
-    """Return the width of a printed line, mm, from a profile's values, or else a multiple of the nozzle, mm."""
+    """Return the width of a printed line, mm, from a profile's values, or DEFAULT_WIDTH_RATIO nozzles without one."""
     for name in WIDTH_KEYS:
         text = values.get(name, "")
         number = _parse_number(text.removesuffix("%"))

@@ -1,8 +1,8 @@
 """Slicer: the settings that the predicted masses assume, for slicers and as text.
 
-Print settings alone leave what belongs to a printer (bed, nozzle, start code) and a filament
-(temperatures, density, flow) as its owner has it. Who has neither slices by the bundle alone, which
-then takes bed and nozzle from the printer and the filament from the design's material.
+Print settings alone leave a user's profiles of printer (bed, nozzle, start code) and filament (temperatures,
+density, flow) unchanged. A user without profiles loads the bundle alone. It takes bed and nozzle from the printer, and
+the filament from the design's material.
 """
 
 import json
@@ -41,9 +41,9 @@ class Setting(NamedTuple):
 
 
 def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Setting]:
-    """List the settings for any slicer, and why the prediction depends on each.
+    """List the print sheet's settings for any slicer, and why the prediction depends on each.
 
-    `orientations` are the lines that say how parts lie.
+    `orientations` are its settings that state how parts lie.
     """
     thin = (
         ""
@@ -70,7 +70,7 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
 
 
 def settings_files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
-    """Yield names, all beginning with `start`, and bytes of the settings for slicers."""
+    """Yield the name and bytes of each file of settings for a slicer. Names begin with `start`."""
     yield f"{start}.ini", prusaslicer_bundle(printer, material)
     yield f"{start}_print.ini", prusaslicer_print(printer)
     yield f"{start}_orca.json", orca_json(printer)
@@ -111,7 +111,7 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
     }
 
 
-def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
+def printer_and_filament_settings(printer: Printer, material: Material) -> dict[str, str]:
     """Return settings of printer and filament by PrusaSlicer's keys, for users without a profile.
 
     PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3. Its end code leaves the bed
@@ -147,7 +147,7 @@ def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
         "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
         "# --load reads these first lines, and then needs no other file: bed and nozzle are those",
         "# of the printer, temperatures and density those of the design's material.",
-        *_ini_lines(owner_settings(printer, material)),
+        *_ini_lines(printer_and_filament_settings(printer, material)),
         *_ini_lines(settings),
         "",
         f"[print:{name}]",

@@ -75,8 +75,8 @@ class Wall(NamedTuple):
     """Key that sets its thickness; "" where several do, or none."""
 
     @property
-    def section(self) -> float:
-        """Thickness in a layer, mm."""
+    def thickness_in_layer(self) -> float:
+        """Thickness of the wall within a layer, mm."""
         return self.thickness / self.slant
 
 
@@ -147,13 +147,13 @@ def printed_thickness(thickness: float, printer: Printer) -> float:
     return _classic_thickness(thickness, printer)
 
 
-def deviation(thickness: float, printer: Printer) -> float:
-    """Return the relative deviation of a wall's expected plastic from its volume: -1 if it vanishes."""
+def plastic_deviation(thickness: float, printer: Printer) -> float:
+    """Return the relative deviation of a wall's expected plastic from its thickness, mm: -1 if it vanishes."""
     return printed_thickness(thickness, printer) / thickness - 1.0
 
 
-def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
-    """Compute the expected plastic in a leg and its brace, divided by that of their mesh (see UPRIGHT_TOLERANCE).
+def leg_plastic_ratio(limb: Limb, printer: Printer, side: bool = True) -> float:
+    """Return the expected volume of plastic in a leg and its brace, divided by the volume of their mesh.
 
     `side` is True for a leg that prints on its side, False for one that prints upright.
     """

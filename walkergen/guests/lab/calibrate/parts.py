@@ -117,7 +117,7 @@ def strip_mesh(drawn: DrawnStrip) -> Mesh:
 
 def air_percent(drawn: DrawnStrip, printer: Printer) -> float:
     """Compute the percentage of a strip's cross-section that the printer's lines leave open."""
-    return max(-100.0 * walls.deviation(drawn.strip.thickness, printer), 0.0)
+    return max(-100.0 * walls.plastic_deviation(drawn.strip.thickness, printer), 0.0)
 
 
 def block_size(printer: Printer) -> tuple[float, float, float]:
