@@ -26,7 +26,7 @@ class Body(NamedTuple):
 
 
 def prepare_body(mesh: Mesh) -> Body:
-    """Convert a sound mesh to a body for `cut_flush` and `unite_with_legs`. Raises SolidError when it is refused."""
+    """Convert a closed mesh to a body for `cut_flush` and `unite_with_legs`. Raises SolidError if it is not sound."""
     return Body(mesh, modeller.to_solid(mesh))
 
 

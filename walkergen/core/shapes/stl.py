@@ -28,11 +28,11 @@ def pack(corners: Array, header: str) -> bytes:
 
 
 def unpack(data: bytes, source: str) -> tuple[Corners, str]:
-    """Return the unchanged corners (triangles, 3, 3) of a binary STL, in its unit, and a note.
+    """Return the unchanged corners (triangles, 3, 3) of a binary STL, in its unit, and a note on faults, or "".
 
     Programs that write while they compute leave the count at 0 or at its largest. The length then gives the number of
-    triangles. Data after the counted triangles are left out, and noted. Raises InputError, which begins with `source`,
-    when the length is not that of a binary STL with triangles, or when a corner is not finite.
+    triangles. Data after the counted triangles are left out. Raises InputError, which begins with `source`, when the
+    length is not that of a binary STL with triangles, or when a corner is not finite.
     """
     start = HEADER_BYTES + COUNT_BYTES
     count = int.from_bytes(data[HEADER_BYTES:start], "little")

@@ -167,7 +167,7 @@ class _Package:
         self._counts: dict[ObjectKey, tuple[int, int]] = {}
 
     def read_archive(self, archive: zipfile.ZipFile) -> None:
-        """Read the main model of an archive, the models that it refers to, and the notes of slicers."""
+        """Read from an archive its main model, the models to which it refers, and the slicers' roles of volumes."""
         names = {name.lstrip("/").lower(): name for name in archive.namelist()}
         targets = ["3d/3dmodel.model"]
 
@@ -304,7 +304,7 @@ class _Package:
         return begin
 
     def check_limits(self) -> None:
-        """Raise InputError for a package that places too much, or what it does not hold."""
+        """Raise InputError if the package places too many meshes or triangles, or an object that it does not hold."""
         if self.unit not in UNITS_MM:
             raise InputError(f"has the unit {self.unit[:20]!r}: must be one of {', '.join(UNITS_MM)}")
         counts = [self._count_meshes(item.object, 0) for item in self.items]
@@ -329,7 +329,7 @@ class _Package:
         return self._counts[place]
 
     def parts(self) -> Iterator[Part]:
-        """Yield the surfaces of all items, in their order, mm."""
+        """Yield the surfaces of all items, in their order, mm, split by their roles."""
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
             for part, volumes in self._place_meshes(item.object, [item.transform]):
