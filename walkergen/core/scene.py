@@ -412,7 +412,7 @@ class Scene(Section):
     run: Run = Run()
     effects: Effects = Effects()
 
-    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    def adjust_other_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Return data of this scene after values were set, without keys of the drive that they exclude.
 
         Parameters

@@ -110,5 +110,5 @@ def write_one(design: Design, path: Path, scene: Scene | None = None) -> Report:
         output.write(path, model)  # last: it names the others
     else:
         endings = (*(f".{ending}" for ending in FORMATS), MJCF_SUFFIX)
-        raise InputError(f"{str(path)!r}: {output.describe_endings(path, endings)}")
+        raise InputError(f"{str(path)!r}: {output.describe_wrong_ending(path, endings)}")
     return _report([path], [])

@@ -45,7 +45,7 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
         members.setdefault(name, member)
         copies[name] = copies.get(name, 0) + count
     if problems:
-        raise config.refusal(problems, path)
+        raise config.mistakes_error(problems, path)
     packing.check_part_count(sum(copies.values()))
     return list(members.values()), list(copies.values())
 

@@ -154,7 +154,7 @@ FORMATS: dict[str, Callable[[TrajectoryData], bytes]] = {".csv": to_csv, ".npz":
 def check(path: Path) -> None:
     """Raise InputError when a file's suffix names no format."""
     if path.suffix.lower() not in FORMATS:
-        problem = output.describe_endings(path, FORMATS, " (xyz for OVITO, nc for xarray)")
+        problem = output.describe_wrong_ending(path, FORMATS, " (xyz for OVITO, nc for xarray)")
         raise InputError(f"‹trajectory=›{str(path)[:80]!r}: {problem}")
 
 

@@ -91,7 +91,7 @@ def read_with_data(
 def _repair_with_values(
     error: InputError, data: dict[str, Any], model: type[Model], values: Mapping[str, Any], source: str, prefix: str
 ) -> Model:
-    """Return the contents of a file after the values have repaired a mistake in it.
+    """Return the contents of a file that has mistakes, if setting the values repairs all of them.
 
     Raises the file's own error if the values do not change it, otherwise the error of file and values.
     """
@@ -116,9 +116,10 @@ def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹
 def assign_values(
     section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = ""
 ) -> Model:
-    """Set dotted keys of `data` to values, in place, and validate the result. `section` is the content before.
+    """Set dotted keys of `data` to values, in place, and return the validated result.
 
-    Raises InputError, or GeometryError, with lines that begin with `source` and name keys after `prefix`.
+    `section` has the validated contents before. Raises InputError, or GeometryError, with lines that begin with
+    `source` and name keys after `prefix`.
     """
     for key, value in values.items():
         _check_form(key, f"{source}: {prefix}")
@@ -126,7 +127,7 @@ def assign_values(
             _set_value(data, key.split("."), _to_toml_value(value))
         except InputError as error:
             raise InputError(f"{source}: {prefix}{key}: {error.text}", prefix + key) from None
-    return validate(section.without_stale_keys(data, values), type(section), source, prefix=prefix)
+    return validate(section.adjust_other_keys(data, values), type(section), source, prefix=prefix)
 
 
 def _check_form(key: str, message_start: str) -> None:
@@ -137,7 +138,7 @@ def _check_form(key: str, message_start: str) -> None:
 
 
 def _to_toml_value(value: Any) -> Any:
-    """Return a value as a TOML file would give it. Converts NumPy numbers and paths."""
+    """Convert NumPy numbers, arrays and paths to values of TOML. Return a copy of another value."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     return str(value) if isinstance(value, Path) else copy.deepcopy(value)

@@ -73,7 +73,7 @@ def read_header(path: Path) -> list[str]:
 
 
 def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
-    """Return the names in a CSV file's first line, and the cells of its first row, [] without rows.
+    """Return the names of a CSV file's columns, and the cells of its first row below, [] without rows.
 
     Errors begin with `source`.
     """

@@ -79,11 +79,14 @@ class Section(BaseModel):
 
     @classmethod
     def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Return a file's data with relative paths in it joined to `folder`. Subclasses override it."""
+        """Return the data of a file, with relative paths in it joined to `folder`. Subclasses override it."""
         return data
 
-    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a file's data without what contradicts the new `values`, by dotted keys. Subclasses override it."""
+    def adjust_other_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a file's `data` after a user has set `values`, by dotted keys, with other keys adjusted to these.
+
+        `data` has the values already, and may be changed in place. Subclasses override it.
+        """
         return data
 
 
@@ -200,14 +203,14 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     except ValidationError as error:
         mistakes = error.errors()
         reported = mistakes[:MAX_REPORTED_MISTAKES]
-        lines = [_explain(mistake, model, source, text, prefix) for mistake in reported]
+        lines = [_explain_mistake(mistake, model, source, text, prefix) for mistake in reported]
         at_fault = [prefix + ".".join(_key_path(mistake["loc"], model)) for mistake in reported]
         if len(mistakes) > MAX_REPORTED_MISTAKES:
             lines.append(f"{source}: and {len(mistakes) - MAX_REPORTED_MISTAKES} more mistakes")
         raise InputError("\n".join(lines), *at_fault) from None
 
 
-def refusal(mistakes: Sequence[str], source: object) -> InputError:
+def mistakes_error(mistakes: Sequence[str], source: object) -> InputError:
     """Return an error that lists the first mistakes, one a line, and counts the others after `source`."""
     more = len(mistakes) - MAX_REPORTED_MISTAKES
     tail = [f"{source}: and {more} more mistakes"] if more > 0 else []
@@ -220,8 +223,8 @@ def _leading_key(problem: str, model: type[Section]) -> str:
     return word if _field_at(_split_key(word), model) is not None else ""
 
 
-def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
-    """Explain in one line an error of pydantic's list: its place, the key, the value seen, what is allowed."""
+def _explain_mistake(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
+    """Explain a mistake from pydantic's list in one line: file and line, key, wrong value, allowed values."""
     location = _key_path(mistake["loc"], model)
     position = format_location(location, source, text)
     key = plain.shorten_line(prefix + ".".join(location) or "file")
@@ -257,9 +260,9 @@ def _shorten(shown: str) -> str:
 
 
 def _key_path(pydantic_location: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
-    """Return the keys that lead to a mistake from pydantic's location of it, such as legs[2].tilt_deg.
+    """Return the path of keys to a mistake, such as legs[2] and tilt_deg, from pydantic's location of the mistake.
 
-    The result omits pydantic's tag that distinguishes a table from a list of tables.
+    It omits pydantic's tag that distinguishes a table from a list of tables.
     """
     path: list[str] = []
     for before, step in zip(("", *pydantic_location), pydantic_location, strict=False):

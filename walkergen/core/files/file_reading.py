@@ -100,7 +100,7 @@ def translate_library_errors(source: str, kind: str) -> Iterator[None]:
 
 
 def describe_error(error: Exception) -> str:
-    """Describe a library's error on a file in a few words, in general ones if it only concerns the library's code."""
+    """Describe a library's error on a file. An error that concerns only the library's own code has a general text."""
     is_internal = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
     text = " ".join(str(error).split())[:100]
     return "its parts do not fit together, or it breaks off" if is_internal or not text else text

@@ -57,7 +57,7 @@ def format_with_error(value: float, se: float) -> str:
 
 
 def format_to_error(error: float, values: Sequence[float]) -> list[str]:
-    """Format values to the decimals of the first two digits of `error`. Without an error, to four digits each."""
+    """Format values with the decimals that show two digits of `error`. If it is 0 or NaN, with four digits each."""
     if not error > 0:
         return [format_number(value, 4) for value in values]
     digits = max(1 - math.floor(math.log10(error)), 0)

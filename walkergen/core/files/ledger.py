@@ -1,7 +1,7 @@
 """Hashes of the files that walkergen wrote last, which distinguish its files from a user's own.
 
-A ledger is a file next to the files that it names. A line is added before its file is written.
-After a run was killed, the files that it wrote are therefore still recognized.
+A ledger is a file next to the files that it names. A line is added before its file is written. After a run was killed,
+the files that it wrote are therefore still recognized. A seal is a file's hash at the end of the file itself.
 """
 
 import contextlib
@@ -180,7 +180,7 @@ def hash_file(path: Path) -> str | None:
 
 
 def add_seal(data: bytes) -> bytes:
-    """Return the data with their own hash in place of BLANK_SEAL, in the last value or comment."""
+    """Return a file's data with their hash, the seal, in place of BLANK_SEAL in the last value or comment."""
     match = SEAL_PATTERN.search(data)
     assert match is not None
     assert match[0] == BLANK_SEAL
@@ -198,7 +198,7 @@ def is_sealed(data: bytes) -> bool:
 
 
 def encode_manifest(facts: dict[str, Any]) -> bytes:
-    """Encode facts as sealed JSON."""
+    """Encode facts as JSON with a seal as its last value."""
     text = json.dumps({**facts, "sealed": BLANK_SEAL.decode()}, indent=2, ensure_ascii=False, allow_nan=False)
     return add_seal(f"{text}\n".encode("utf-8", "backslashreplace"))  # what UTF-8 has not, as in JSON
 

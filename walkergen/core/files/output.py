@@ -36,8 +36,8 @@ MAX_NAMED_FILES = 5
 """Most files that are named as left alone; the others are counted."""
 
 
-def describe_endings(path: Path, endings: Iterable[str], note: str = "") -> str:
-    """Return what is wrong with the name of a file that has none of the endings; `note` explains these."""
+def describe_wrong_ending(path: Path, endings: Iterable[str], note: str = "") -> str:
+    """Return what is wrong with the name of a file that has none of these endings. `note` ends the message."""
     if path.name.lower() in endings:
         return f"the name before the ending is missing. Write for example run{path.name}"
     return f"must end in one of {', '.join(endings)}{note}"
@@ -101,16 +101,13 @@ def _remove_leftovers(folder: Path) -> None:
 
 
 def rewrite_sealed(path: Path, data: bytes) -> None:
-    """Write sealed data as `write` does, replacing only a sealed file.
-
-    Raises OutputError, as `check_overwritable` does.
-    """
+    """Write data with a seal (`ledger.add_seal`) as `write` does, after `check_overwritable`. Raises OutputError."""
     check_overwritable(path)
     write(path, data)
 
 
 def check_overwritable(path: Path) -> None:
-    """Raise OutputError if there is a file that is neither empty nor sealed as walkergen wrote it."""
+    """Raise OutputError if there is a file that is neither empty nor unchanged since walkergen sealed it."""
     try:
         status = path.lstat()
     except (OSError, ValueError):  # the write reports the failure
@@ -208,7 +205,7 @@ class Folder:
         return True
 
     def start_growing_file(self, name: str) -> None:
-        """Record that other code is about to write a file of ours bit by bit, such as row by row."""
+        """Record that other code is about to write a file in this folder bit by bit, such as row by row."""
         self.claim()
         assert self._ledger is not None
         try:
@@ -217,7 +214,7 @@ class Folder:
             raise write_error(self.path / name, error) from None
 
     def add_grown_file(self, name: str) -> None:
-        """Record the hash of a file, since other code has finished writing it."""
+        """Record the hash of a file in this folder that other code has finished writing."""
         digest = self._hash(name)
         if digest is None:
             raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
@@ -343,7 +340,7 @@ def versions() -> dict[str, str]:
 
 
 def result_folder(path: Path, out: Path | None, what: str) -> Path:
-    """Return the folder `what` for the results of a file: in `out`, or in out/ and the file's own name.
+    """Return the folder for a command's results on the file `path`: OUT/WHAT, or without `out` out/STEM/WHAT.
 
     Each command has its own `what`, so that results of other commands stay.
     """
@@ -351,5 +348,5 @@ def result_folder(path: Path, out: Path | None, what: str) -> Path:
 
 
 def safe_folder_name(path: Path) -> str:
-    """Return a folder name for the results of a file: the file's own, in safe letters."""
+    """Return a folder name for the results of a file: the stem of the file's name, in safe letters."""
     return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"

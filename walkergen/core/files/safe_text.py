@@ -24,9 +24,9 @@ def escape_hidden(text: str) -> str:
 
 
 def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
-    """Shorten plain text to one line of at most `widest` letters, leaving out the middle, in whole words.
+    """Return text as one line of at most `widest` letters, with hidden letters escaped. A long one loses its middle.
 
-    Its end stays, because it says what to do.
+    The end of a message stays, because it says what to do.
     """
     shown = escape_hidden(text.replace("\n", "\\n"))
     if len(shown) <= widest:
@@ -37,7 +37,7 @@ def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
 
 
 class Plain:
-    """Stream that makes text plain before writing it, optionally in lines of bounded length.
+    """Stream that escapes hidden letters of text before it writes them, optionally in lines of bounded length.
 
     Output of rich, whose colours are escape sequences, bypasses it.
     """

@@ -137,20 +137,22 @@ class Printer(Section):
             )
         return self
 
-    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return data with the lines' width scaled to a new nozzle, if only the nozzle was set.
+    def adjust_other_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the keys of a printer after a user has set `values`, with the line width scaled to a new nozzle.
+
+        The line width is not scaled if the user has set it too.
 
         Parameters
         ----------
         data : dict
-            Keys of the printer.
+            Keys of the printer, which contain the values already. They are not changed in place.
         values : mapping
-            Values that were set, by keys.
+            Values that the user has set, by keys.
 
         Returns
         -------
         dict
-            Keys of the changed printer.
+            Keys of the printer.
         """
         nozzle = data.get("nozzle_mm")
         if "nozzle_mm" in values and "line_width_mm" not in values and isinstance(nozzle, (int, float)):

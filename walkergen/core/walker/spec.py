@@ -162,12 +162,24 @@ class WalkerSpec(Section):
             table |= {key: str(folder / table[key]) for key in files if table[key] not in ("", *BUILTIN_OUTLINES)}
         return {**data, **tables}
 
-    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return `data`, changed in place, without keys for the old shape of the body, if `values` set a new shape.
+    def adjust_other_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the data of a walker's file after a user has set `values`, without keys for an old shape of the body.
 
-        `values` are by dotted keys, and are kept. For a new shape, positions of two equal legs are found automatically,
-        so old ones are dropped. Masses and marks of the old shape are dropped too, and the family, since automatic legs
-        do not fit every tilt.
+        If the values do not set a new shape, nothing is dropped. For a new shape, positions of two equal legs are found
+        automatically, so old ones are dropped. Weighed masses and marks are dropped too. The family becomes
+        DEFAULT_FAMILY, since automatic legs do not fit every tilt. Keys in `values` are kept.
+
+        Parameters
+        ----------
+        data : dict
+            Tables of the file, which contain the values already. They are changed in place.
+        values : mapping
+            Values that the user has set, by dotted keys.
+
+        Returns
+        -------
+        dict
+            The same data.
         """
         body = data.get("body")
         former = {key: getattr(self.body, key) for key in SOURCE_KEYS}

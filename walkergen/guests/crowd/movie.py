@@ -69,7 +69,7 @@ def check_format(path: Path) -> None:
     """Raise InputError for a suffix that names no format, and for an MP4 without ffmpeg."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise InputError(f"‹movie=›{str(path)[:80]!r}: {output.describe_endings(path, SUFFIXES)}")
+        raise InputError(f"‹movie=›{str(path)[:80]!r}: {output.describe_wrong_ending(path, SUFFIXES)}")
     if suffix == ".mp4" and animation.find_ffmpeg() is None:
         raise InputError(f"‹movie=›{str(path)[:80]!r}: {animation.NO_FFMPEG_REASON}; name a .gif instead")
 

@@ -120,7 +120,7 @@ def read_sweep(path: Path) -> SweepFile:
         place = config.format_location(("error",), str(path), text)
         mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
     if mistakes:
-        raise config.refusal(mistakes, path)
+        raise config.mistakes_error(mistakes, path)
     spans = tuple(entry for entry in varied if isinstance(entry, Span))
     sample = None
     if contents.sample is not None:

@@ -168,7 +168,7 @@ def read_form(path: Path) -> Readings:
         except InputError as problem:
             problems.append(f"{path}:{line}: {problem}")
     if problems:
-        raise config.refusal(problems, path)
+        raise config.mistakes_error(problems, path)
     if not any(condition.name != AIR_SHARE for condition in tries):
         raise InputError(f"{path}: no readings. Fill in the column reading of at least one row")
     readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
