@@ -56,7 +56,7 @@ def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str],
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
-    """Draw `count` frames in order into an MP4 alone; without ffmpeg return None and the reason.
+    """Draw `count` frames in order into an MP4 and return it with "", or None with the reason without ffmpeg.
 
     For pictures with so much motion that a GIF would be many times as large.
     """
@@ -69,7 +69,7 @@ def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[by
 def _write_film(
     draw: Draw, count: int, fps: int, progress: Progress, use: Callable[[Iterator[Pixels]], Used]
 ) -> tuple[Used, bytes | None, str]:
-    """Return what `use` makes of the frames, and their MP4 and ""; without an MP4 None and the reason."""
+    """Draw frames for `use` and an MP4. Return the result of `use`, the MP4 or None, and the reason for None or ""."""
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
@@ -84,7 +84,7 @@ def _write_film(
 
 
 def _choose_palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
-    """Choose one palette for all frames, so that fixed parts do not flicker; colours `keep` (#RRGGBB) stay exact."""
+    """Return one palette for all frames, so that fixed parts do not flicker. Colours `keep` (#RRGGBB) stay exact."""
     chosen = sorted({round(number) for number in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
     pixels = np.concatenate([draw(number).reshape(-1, 3) for number in chosen]).astype(np.uint32)
     codes, counts = np.unique(pixels @ np.array([1 << 16, 1 << 8, 1], np.uint32), return_counts=True)
@@ -161,7 +161,7 @@ def _start_ffmpeg(
 def _close_ffmpeg(
     ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]
 ) -> tuple[bytes | None, str]:
-    """Close ffmpeg; return the MP4 from `target`, or None and the reason."""
+    """Close ffmpeg. Return the MP4 from `target` and "", or None and the reason from `messages`."""
     if ffmpeg is None:
         return None, NO_FFMPEG_REASON
     ffmpeg.communicate()

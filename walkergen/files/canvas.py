@@ -56,7 +56,7 @@ class Canvas:
         self.text(x, y, words, fontsize=SMALL_PT * min(1.0, max_letters / len(words)))
 
     def add_moving_artists(self, *artists: Artist) -> None:
-        """Draw these artists again in every frame from now on, in the order given."""
+        """Mark artists as moving parts: `pixels` draws them again on each call, in the order given."""
         for artist in artists:
             artist.set_animated(True)
             self._moving.append(artist)
@@ -83,12 +83,12 @@ def set_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> 
 
 
 def nice_ceil(least: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, the least at or above a number."""
+    """Return the least number that is 1, 2 or 5 times a power of ten and not less than `least`."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
 
 
 def nice_floor(most: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, the largest at or below a number."""
+    """Return the largest number that is 1, 2 or 5 times a power of ten and not more than `most`."""
     power = 10.0 ** math.floor(math.log10(most))
     return max(power * step for step in (1, 2, 5) if power * step <= most * (1 + 1e-9))

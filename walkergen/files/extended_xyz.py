@@ -39,7 +39,7 @@ class Bodies(NamedTuple):
 
 
 def format_frames(bodies: Bodies, box: str) -> str:
-    """Return the text of a file: a frame for each frame number, bodies sorted by number; `box` from `format_box`."""
+    """Format bodies as the text of a file, frame by frame, in each frame by number. `box` is a text of `format_box`."""
     half_axes = [" ".join(f"{value:.9g}" for value in axes) for axes in bodies.halves]
     lines = [f"{name} %d{' %.9g' * 7} {axes_text}\n" for name, axes_text in zip(bodies.kinds, half_axes, strict=True)]
     table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])
@@ -55,7 +55,7 @@ def format_frames(bodies: Bodies, box: str) -> str:
 
 
 def format_box(low: Array, span: Array, periodic: bool = False) -> str:
-    """Return the box of a frame from its lowest corner and its sides, mm; periodic along x and y or not."""
+    """Format the box around the bodies from its lowest corner and its sides, mm. It may be periodic along x and y."""
     sides = " ".join(f"{value:.9g}" for value in np.diag(span).ravel())
     corner = " ".join(f"{value:.9g}" for value in low)
     repeats = "T T F" if periodic else "F F F"

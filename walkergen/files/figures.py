@@ -219,13 +219,13 @@ def label_axes(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
 
 
 Errors = Sequence[Any]
-"""Places, values and errors; an error is one number, or a length below and one above (2, n), or None."""
+"""Positions, values and errors; an error is one number, or a length below and one above (2, n), or None."""
 
 
 def draw_points(
     axes: Axes, data: Errors, look: Look = MEASURED, label: str = "", hollow: bool = False, joined: bool = False
 ) -> Any:
-    """Draw symbols with bars of their errors; `data`: positions, values, errors. `joined`: with a line between."""
+    """Draw symbols with error bars, and a line between them if `joined`. `data`: positions, values, errors."""
     at, value, error = data
     few = len(at) <= MAX_LARGE_POINTS
     return axes.errorbar(

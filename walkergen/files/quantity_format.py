@@ -36,7 +36,7 @@ def format_bounds(number: Quantity) -> str:
 
 
 def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Column, Column]:
-    """Return columns of a quantity's name, unit, value with error, and bounds; `number_of` gets it from a row."""
+    """Return columns of a quantity's name, unit, value with error, and bounds. `number_of` returns a row's quantity."""
     return (
         Column("", lambda row: format_name(number_of(row))),
         Column("", lambda row: format_unit(number_of(row))),
@@ -46,7 +46,7 @@ def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Colum
 
 
 def mark_reasons(numbers: Iterable[Quantity]) -> tuple[list[Quantity], dict[str, str]]:
-    """Replace each reason shared by several quantities with a mark, as (a).
+    """Replace each reason for a missing value that several quantities share with a mark, as (a).
 
     Returns the quantities, and the reasons by mark.
     """

@@ -66,7 +66,7 @@ def _format_if_known(key: str, format_number: Callable[[float], str]) -> Callabl
 
 
 def error_column(heading: str, key: str, se: str) -> Column:
-    """Return a column of numbers of the field `key` with errors of the field `se`; None is blank or omitted."""
+    """Return a column of field `key` with its standard error, field `se`. Missing values are blank, errors omitted."""
 
     def format_cell(row: Any) -> str:
         value = getattr(row, key)
@@ -81,7 +81,7 @@ def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Colum
 
 
 def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Return a column for each key of rows that are tuples, headed by the key; `texts`: keys without numbers."""
+    """Return a column for each key of rows that are tuples, with the key as heading. `texts` are keys of texts."""
 
     def make_column(index: int, key: str) -> Column:
         """Return the column of the values at an index of the rows."""
@@ -204,7 +204,7 @@ class Table:
         return [column for column in self.columns if markdown or not column.wide]
 
     def summary_lines(self) -> list[str]:
-        """Return lines of text: rows of names and values in full, of other tables their number of rows.
+        """Return a line for each row of a table without headings, or one line with the number of rows of another table.
 
         Returns
         -------
@@ -333,7 +333,7 @@ class Report:
         raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
 
     def visible_tables(self) -> Iterator[Table]:
-        """Return the tables that people read, except those whose rows are all shown in another form.
+        """Return the tables that people read: those with columns, except those with an empty `read`.
 
         Returns
         -------
@@ -451,7 +451,7 @@ class Report:
         return spell_for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._message_lines())]))
 
     def _message_lines(self) -> Iterator[str]:
-        """Yield the lines and warnings."""
+        """Yield the report's lines, then its warnings."""
         yield from map(spell, self.lines)
         yield from (f"warning: {spell(warning)}" for warning in self.warnings)
 

@@ -58,6 +58,7 @@ class Sizes(NamedTuple):
     least: int
     """Letters of its longest word, or line where it must not wrap."""
     natural: int
+    """Letters of its longest line."""
 
 
 def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
@@ -72,7 +73,7 @@ def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
 
 
 def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: int) -> Sequence[Sequence[int]]:
-    """Return the columns of each piece: row names, and as many others as fit; `edges`: letters around a column."""
+    """Return the columns of each piece: row names, and as many others as fit. `edges`: letters around each column."""
     justify = [column.justify for column in table.columns[:2]]
     name_columns = [0, 1] if justify == ["right", "left"] else [0]
     pieces: list[list[int]] = []
@@ -87,7 +88,7 @@ def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: in
 
 
 def _column_widths(sizes: Sequence[Sizes], width: int) -> list[int]:
-    """Return widths of columns that fit a width: at least what each needs, and shares of the rest."""
+    """Return widths of columns within a total width: the least of each, and more for those with longer lines."""
     widths = [size.least for size in sizes]
     remaining = width - sum(widths)
     order = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)

@@ -69,13 +69,13 @@ def _template_path(name: str, kind: str) -> Path:
 
 
 def read_with_name(path: Path, name: str) -> str:
-    """Read a template under another name, with its comments unchanged."""
+    """Return the text of the template in `path`, with its comments, in which its name is replaced by `name`."""
     text = path.read_text(encoding="utf-8")
     return NAME_PATTERN.sub(f'name = "{name}"', text, count=1)
 
 
 def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = Path()) -> Model:
-    """Read a template by its name, or the user's own file, as `resolve_path` finds it from the folder `near`.
+    """Read and validate a template or the user's own file, whose path is `resolve_path(name_or_path, kind, near)`.
 
     Raises InputError that lists the known kinds or names, or every mistake in the file.
     """
@@ -83,7 +83,7 @@ def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = P
 
 
 def resolve_path(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
-    """Return the path of a template by its name, or of the user's own file: a Path, or other text with .toml or /.
+    """Return the path of a template by its name. A Path or a text for which `is_path` is true is a user's own file.
 
     Paths begin at the folder `near`, by default the one that walkergen runs in.
     Raises InputError that lists the known kinds, or names.

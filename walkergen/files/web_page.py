@@ -20,7 +20,7 @@ ASSETS = Path(__file__).with_name("assets")
 
 
 def render(title: str, body: markupsafe.Markup, styles: Sequence[str], scripts: Sequence[str] = ()) -> str:
-    """Return a page.
+    """Return the HTML of a page that needs no other file.
 
     Parameters
     ----------
@@ -32,7 +32,6 @@ def render(title: str, body: markupsafe.Markup, styles: Sequence[str], scripts: 
         Names of the style sheets in the assets.
     scripts : sequence of str
         Texts of the scripts that may run.
-
     """
     style = markupsafe.Markup("".join(read_asset(name) for name in styles))
     hashes = [f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}" for text in scripts]
