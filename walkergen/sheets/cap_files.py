@@ -81,7 +81,7 @@ def findings(capped: Sequence[CappedWalker], printer: Printer) -> list[Finding]:
 
 
 def files(capped: Sequence[CappedWalker], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
-    """Yield the names and bytes: caps.csv, caps.pdf, caps_PAGE.png, then caps_PRINTER_NUMBER.3mf (or .stl).
+    """Yield names and bytes of the caps' files: caps.csv, caps.pdf, caps_PAGE.png, caps_PRINTER_NUMBER.3mf (or .stl).
 
     Caps of paper are on the sheet only. Raises PlateError when a cap is too large for a printer.
     """
@@ -121,7 +121,7 @@ def advice(capped: Sequence[CappedWalker]) -> list[str]:
 
 
 def _table_row(entry: CappedWalker) -> tuple[object, ...]:
-    """Return the row of caps.csv for a walker's cap."""
+    """Return the row of caps.csv for a walker's cap, with the values of COLUMNS."""
     cap = entry.cap
     height = cap.thickness + (cap.relief_mm if cap.kind == "raised" else 0.0)
     return (

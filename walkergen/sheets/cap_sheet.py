@@ -29,7 +29,7 @@ RULE_MM = 100.0
 
 
 def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
-    """Return the pages with a tile for each cap, all as wide as the widest; fronts point up."""
+    """Draw pages with a tile for each cap in true size, in a grid for the widest one. Fronts point up."""
     width, height = PAGE_MM
     side = max(cap.side for cap in markers)
     across = max(1, int((width - 2 * EDGE_MM + COLUMN_GAP_MM) / (side + COLUMN_GAP_MM)))
@@ -110,5 +110,5 @@ def pdf(drawn: Sequence[Figure]) -> bytes:
 
 
 def pngs(drawn: Sequence[Figure]) -> list[bytes]:
-    """Return the PNG of each page; it states its size."""
+    """Return each page as PNG of DPI pixels per inch."""
     return [figures.png(page, DPI) for page in drawn]

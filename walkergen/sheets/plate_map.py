@@ -127,7 +127,7 @@ def _map_area(axes: Axes, printer: Printer) -> Bbox:
 
 
 def _show_area(axes: Axes, shown: Bbox, printer: Printer) -> None:
-    """Show an area of the bed, and mark it in a small picture if it is not the whole bed."""
+    """Show the area `shown` of the bed, and mark it in a small picture of the bed if it is not the whole bed."""
     axes.set_xlim(shown.x0, shown.x1)
     axes.set_ylim(shown.y0, shown.y1)
     if shown.x0 < 0.0:
@@ -192,7 +192,7 @@ class _View(NamedTuple):
 
 
 def _top_view(design: Design, mesh: Mesh) -> _View:
-    """Return the triangles of a walker on the bed, seen from above."""
+    """Return the triangles of a walker on the bed seen from above, and those of its legs if they point up."""
     if solids.is_printed_on_side(design):
         return _View(_underside(mesh), np.empty((0, 3, 2)))
     whole, legs = (triangulate(section) for section in _silhouettes(design, mesh))
@@ -216,14 +216,14 @@ def triangulate(section: manifold3d.CrossSection) -> Array:
 
 
 def _underside(mesh: Mesh) -> Array:
-    """Return the triangles that lie on the bed, shape (k, 3, 2), mm, from the bounding box's corner."""
+    """Return a mesh's triangles that lie on the bed, shape (k, 3, 2), mm, from the corner of its bounding box."""
     corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.triangles]
     lying: Array = corners[(corners[:, :, 2] == 0.0).all(axis=1)][:, :, :2]
     return lying
 
 
 def _legend_lines(letters: Mapping[str, str]) -> list[str]:
-    """Return lines that list the letter of each design (letters by designs' names)."""
+    """Return lines that list the letter of each design. `letters` are by the designs' names."""
     listed = [f"{letter}: {name}" for name, letter in letters.items()]
     more = len(listed) - MAX_LISTED_DESIGNS
     return listed[:MAX_LISTED_DESIGNS] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
@@ -256,8 +256,8 @@ def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, 
 def _fit_on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
     """Return x, y and font height (mm) of a label on a part next to its legs, from the box's corner.
 
-    With x divided by width over height of the label it is a square. The square in the largest circle within the part is
-    almost the largest label.
+    Dividing x by the label's width over its height turns the label into a square. The square in the largest circle
+    within the free area is almost the largest label.
     """
     import shapely
 
