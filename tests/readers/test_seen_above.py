@@ -39,7 +39,7 @@ def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_
     mass = solids.mass_of(TURNER)
     found = poses.sample(prepare(scene, TURNER, mass), 0.05)
     outline = polygon_of(top_outline.outline_of(TURNER, mass))
-    mesh = leg_attachment.prepare_body(TURNER.body.key).mesh
+    mesh = leg_attachment.prepare_body(TURNER.body.cache_key).mesh
     body = mesh.vertices - np.array([0.0, 0.0, 0.5 * TURNER.size.depth])
     body[:, :2] = to_centre_frame(TURNER.limbs, mass, body[:, :2])
     for place, turn, heading in zip(found.places, found.rotations, found.heading, strict=True):
@@ -87,7 +87,7 @@ def test_a_rectangle_is_its_four_corners_about_the_centre_of_mass():
 
 
 def test_the_projection_of_a_mesh_is_the_plan_that_it_was_made_of(tmp_path):
-    mesh = leg_attachment.prepare_body(TURNER.body.key).mesh
+    mesh = leg_attachment.prepare_body(TURNER.body.cache_key).mesh
     (tmp_path / "hook.stl").write_bytes(stl.pack(mesh.vertices[mesh.triangles], "hook"))
     design = Design.model_validate(
         {

@@ -57,7 +57,7 @@ def check_key(key: str, model: type[Section], source: str, prefix: str = "") -> 
 
     The message lists known keys after `prefix`.
     """
-    _check_form(key, f"{source}: ")
+    _check_key_form(key, f"{source}: ")
     if reason := describe_unknown_key(tuple(key.split(".")), model, prefix):
         raise InputError(f"{source}: {reason}")
 
@@ -122,7 +122,7 @@ def assign_values(
     `source` and name keys after `prefix`.
     """
     for key, value in values.items():
-        _check_form(key, f"{source}: {prefix}")
+        _check_key_form(key, f"{source}: {prefix}")
         try:
             _set_value(data, key.split("."), _to_toml_value(value))
         except InputError as error:
@@ -130,7 +130,7 @@ def assign_values(
     return validate(section.adjust_other_keys(data, values), type(section), source, prefix=prefix)
 
 
-def _check_form(key: str, message_start: str) -> None:
+def _check_key_form(key: str, message_start: str) -> None:
     """Raise InputError for text that does not have the form of a key."""
     if not KEY_PATTERN.fullmatch(key):
         reason = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"

@@ -36,7 +36,7 @@ def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
     return f"{head} ... {tail}"
 
 
-class Plain:
+class EscapingStream:
     """Stream that escapes hidden letters of text before it writes them, optionally in lines of bounded length.
 
     Output of rich, whose colours are escape sequences, bypasses it.
@@ -61,8 +61,8 @@ class Plain:
 
 def guard_output() -> None:
     """Escape hidden letters in all later output of this process. Lines of sys.stderr are also shortened."""
-    sys.stdout = cast("TextIO", Plain(sys.stdout))
-    sys.stderr = cast("TextIO", Plain(sys.stderr, MAX_MESSAGE_LENGTH))
+    sys.stdout = cast("TextIO", EscapingStream(sys.stdout))
+    sys.stderr = cast("TextIO", EscapingStream(sys.stderr, MAX_MESSAGE_LENGTH))
 
 
 def _escape(match: re.Match[str]) -> str:

@@ -193,7 +193,7 @@ class Body(Section):
         return self.outline is not None or self.text is not None
 
     @property
-    def key(self) -> str:
+    def cache_key(self) -> str:
         """JSON text of the keys that are set. It identifies the shape in caches."""
         return self.model_dump_json(exclude_unset=True)
 

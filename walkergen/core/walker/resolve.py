@@ -76,7 +76,7 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         return shape.finished.limbs(legs.kind, shape.size.depth)
     if spec.has_automatic_legs:
         assert isinstance(legs, Legs)
-        placed: tuple[Limb, ...] = load_readers().find_placement(spec.body.key, legs.model_dump_json()).limbs
+        placed: tuple[Limb, ...] = load_readers().find_placement(spec.body.cache_key, legs.model_dump_json()).limbs
         return placed
     depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
     if isinstance(legs, Legs):
@@ -85,13 +85,13 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         limbs = tuple(resolve_leg(leg, spec.family_tilt_of_list_deg, depth, bottom) for leg in legs)
     if spec.body.plain or spec.body.flat:
         return limbs
-    return load_readers().extend_legs(spec.body.key, limbs)
+    return load_readers().extend_legs(spec.body.cache_key, limbs)
 
 
 def describe_placement(spec: WalkerSpec) -> str:
     """Describe the positions of automatic legs in one line. Raises UnplacedError if no positions fit."""
     assert isinstance(spec.legs, Legs)
-    words: str = load_readers().find_placement(spec.body.key, spec.legs.model_dump_json()).words
+    words: str = load_readers().find_placement(spec.body.cache_key, spec.legs.model_dump_json()).words
     return words
 
 

@@ -177,8 +177,8 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     from walkergen.core.shapes import joining
 
     readers = load_readers()
-    joined_body, limbs, depth = readers.prepare_body(design.body.key), design.limbs, design.size.depth
-    weighed = None if design.letters else readers.body_mass(design.body.key)
+    joined_body, limbs, depth = readers.prepare_body(design.body.cache_key), design.limbs, design.size.depth
+    weighed = None if design.letters else readers.body_mass(design.body.cache_key)
     if design.letters:
         joined_body = joining.prepare_body(readers.cut_letters(joined_body.mesh, design))
     sections = _leg_profiles(limbs, foot_segments)

@@ -70,7 +70,7 @@ def form_name(members: Sequence[Design], name: str) -> str:
 
 
 def carried_rows(design: Design) -> tuple[str, ...]:
-    """Return the rows of a form for motor, battery, wires and glue, empty for a walker without motor and battery."""
+    """Return the names of a form's rows for motor, battery, wires and glue; none for a walker without such parts."""
     return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 

@@ -36,7 +36,7 @@ def shape_of(body: Body) -> Shape:
     """Return the shape of a body. Raises GeometryError, and InputError for files."""
     if body.plain:
         return rectangle_shape(body.length_mm, body.thickness_mm, body.depth_mm)
-    return shape_by_key(body.key)
+    return shape_by_key(body.cache_key)
 
 
 @lru_cache(maxsize=64)

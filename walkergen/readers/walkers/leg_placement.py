@@ -116,7 +116,7 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
 
     size = shape_of(body).size
     leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _footprint_and_centre(body.key)
+    ground, (along, up, across) = _footprint_and_centre(body.cache_key)
     centre, height, reach = (along, across), up - leg.foot_height, _leg_reach(leg)
     if body.flat:
         return _from_rows(leg, find_rows(ground, centre, height, reach), centre, height)
@@ -126,7 +126,7 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
             break
         placement = _from_rows(leg, find_rows(inset_ground, centre, height, reach), centre, height)
         try:
-            return placement._replace(limbs=leg_attachment.extend_legs(body.key, placement.limbs))
+            return placement._replace(limbs=leg_attachment.extend_legs(body.cache_key, placement.limbs))
         except GeometryError:  # a leg misses the mesh: farther in there is more of it
             continue
     raise GeometryError("its underside is too narrow or too steep for legs")
@@ -138,7 +138,7 @@ def available_space(body: Body, legs: Legs) -> LegSpace:
 
     size = shape_of(body).size
     leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _footprint_and_centre(body.key)
+    ground, (along, up, across) = _footprint_and_centre(body.cache_key)
     reach = _leg_reach(leg)
     left, _, right, _ = ground.bounds
     positions = np.linspace(left - reach.front, right - reach.back, 4 * SPAN_STEPS)

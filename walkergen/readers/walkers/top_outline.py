@@ -30,7 +30,7 @@ def body_contours(design: Design) -> tuple[Array, ...]:
         return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
     if shape.mesh is None:
         return shape.plan
-    turned_up = leg_attachment.prepare_body(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
+    turned_up = leg_attachment.prepare_body(design.body.cache_key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
     rings = [np.add(ring, (0.0, half[1])) for ring in turned_up.project().to_polygons()]
     return tuple(sorted(rings, key=lambda ring: area(ring) < 0.0))
 
