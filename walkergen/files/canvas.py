@@ -30,7 +30,7 @@ class PixelBox(NamedTuple):
 
 
 class Canvas:
-    """Figure of fixed size; places are in pixels from its lower left corner."""
+    """Figure of fixed size. Positions are in pixels from its lower left corner."""
 
     def __init__(self, width: int, height: int) -> None:
         self.figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
@@ -38,14 +38,14 @@ class Canvas:
         self._moving: list[Artist] = []
         self._still: Any = None
 
-    def axes(self, left: float, bottom: float, width: float, height: float) -> Axes:
+    def add_axes(self, left: float, bottom: float, width: float, height: float) -> Axes:
         """Add axes in a rectangle, pixels."""
         _, _, whole_width, whole_height = self.figure.bbox.bounds
         return self.figure.add_axes(
             (left / whole_width, bottom / whole_height, width / whole_width, height / whole_height)
         )
 
-    def text(self, x: float, y: float, words: str, **style: Any) -> Text:
+    def add_text(self, x: float, y: float, words: str, **style: Any) -> Text:
         """Write words at a point, pixels; `style` overrides matplotlib's settings of text."""
         style = {"color": INK, "fontsize": NORMAL_PT, "transform": IdentityTransform(), **style}
         return self.figure.text(x, y, words, **style)
@@ -53,7 +53,7 @@ class Canvas:
     def add_caption(self, x: float, y: float, words: str) -> None:
         """Write a small line that stays inside the picture, in smaller letters if it is long."""
         max_letters = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL_PT
-        self.text(x, y, words, fontsize=SMALL_PT * min(1.0, max_letters / len(words)))
+        self.add_text(x, y, words, fontsize=SMALL_PT * min(1.0, max_letters / len(words)))
 
     def add_moving_artists(self, *artists: Artist) -> None:
         """Mark artists as moving parts: `pixels` draws them again on each call, in the order given."""

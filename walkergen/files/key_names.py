@@ -35,7 +35,7 @@ LEG_PATTERN = re.compile(r"legs\[(\d+)\]")
 
 
 def format_key(key: str) -> str:
-    """Return the name of a key with its unit: "tilt of the legs (deg)" of legs.tilt_deg."""
+    """Return the name of a key as text with its unit, such as "tilt of the legs (deg)" for legs.tilt_deg."""
     short_key = key.removeprefix("scene.")
     if short_key in SPECIAL_NAMES:
         return SPECIAL_NAMES[short_key]
@@ -47,7 +47,7 @@ def format_key(key: str) -> str:
 
 
 def _table_subject(table: str) -> str:
-    """Return the subject of a table of keys: "the legs", "leg 2"."""
+    """Return the noun for a table of keys, such as "the legs", or "leg 2" for legs[2]."""
     numbered = LEG_PATTERN.fullmatch(table)
     if numbered:
         return f"leg {numbered[1]}"

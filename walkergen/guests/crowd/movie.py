@@ -117,14 +117,14 @@ def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> D
     scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)
     height = HEADER_PX + math.ceil(scale * width) + FOOTER_PX
     canvas = Canvas(WIDTH_PX, height + height % 2)
-    axes = canvas.axes(MARGIN_PX, FOOTER_PX, WIDTH_PX - 2 * MARGIN_PX, math.ceil(scale * width))
+    axes = canvas.add_axes(MARGIN_PX, FOOTER_PX, WIDTH_PX - 2 * MARGIN_PX, math.ceil(scale * width))
     set_scale(axes, (0.0, 0.0), scale * (1.0 - 4.0 / WIDTH_PX))  # room for the line of the wall
     axes.axis("off")
     _draw_dish(axes, film)
     bodies = _add_bodies(axes, film, scale)
-    canvas.text(MARGIN_PX, height - 30, title, fontsize=LARGE_PT, weight="bold")
+    canvas.add_text(MARGIN_PX, height - 30, title, fontsize=LARGE_PT, weight="bold")
     words = {"family": "DejaVu Sans Mono", "ha": "right"}
-    clock = canvas.text(WIDTH_PX - MARGIN_PX, height - 30, "", **words)
+    clock = canvas.add_text(WIDTH_PX - MARGIN_PX, height - 30, "", **words)
     _draw_footer(canvas, film, scale, fps)
     paint = _make_colour_function(film)
     canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
@@ -258,24 +258,24 @@ def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
 def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None) -> None:
     """Write the picture's caption, a scale bar of a round length, and the legend of the colours."""
     length = nice_floor(160.0 / scale)
-    bar = canvas.axes(MARGIN_PX, 14, length * scale, 5)
+    bar = canvas.add_axes(MARGIN_PX, 14, length * scale, 5)
     bar.set(xlim=(0, 1), xticks=[], yticks=[])
     bar.spines[["top"]].set_visible(False)
-    canvas.text(MARGIN_PX + length * scale + 8, 12, f"{length:g} mm", fontsize=SMALL_PT)
+    canvas.add_text(MARGIN_PX + length * scale + 8, 12, f"{length:g} mm", fontsize=SMALL_PT)
     pace = ""
     if fps is not None and len(film.times) > 1:
         pace = f", {fps * film.interval:.3g} of real speed"
     walkers = film.x.shape[1]
     words = f"{walkers} walker{'s' * (walkers != 1)}, {film.dish.words}{pace}"
-    canvas.text(0.5 * WIDTH_PX, 12, words, fontsize=SMALL_PT, ha="center")
+    canvas.add_text(0.5 * WIDTH_PX, 12, words, fontsize=SMALL_PT, ha="center")
     if film.has_headings:
-        wheel = canvas.axes(WIDTH_PX - MARGIN_PX - 32, 4, 32, 32)
+        wheel = canvas.add_axes(WIDTH_PX - MARGIN_PX - 32, 4, 32, 32)
         for number, hue in enumerate(heading_colours()):
             angles_deg = (360.0 * (number - 0.5) / HUE_COUNT, 360.0 * (number + 0.5) / HUE_COUNT)
             wheel.add_patch(Wedge((0, 0), 1.0, *angles_deg, width=0.45, facecolor=hue, linewidth=0))
         wheel.set(xlim=(-1.05, 1.05), ylim=(-1.05, 1.05))
         wheel.axis("off")
-        canvas.text(WIDTH_PX - MARGIN_PX - 38, 12, "heading", fontsize=SMALL_PT, ha="right")
+        canvas.add_text(WIDTH_PX - MARGIN_PX - 38, 12, "heading", fontsize=SMALL_PT, ha="right")
     elif len(kinds := list(dict.fromkeys(film.kinds))) > 1:
         _draw_legend(canvas, kinds)
 

@@ -76,16 +76,16 @@ def impact_style(kind: Kind) -> Style:
 
 def draw_legend(canvas: Canvas, x: float, y: float) -> None:
     """Draw the legend of the kinds of impacts in a row from (x, y), pixels."""
-    axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
+    axes = canvas.add_axes(0, 0, *canvas.figure.bbox.bounds[2:])
     axes.set_axis_off()
     axes.set_xlim(0, canvas.figure.bbox.width)
     axes.set_ylim(0, canvas.figure.bbox.height)
     for style in STYLES.values():
         axes.plot([x], [y], style.marker, color=style.colour, markersize=5)
         words = f"{style.name} {style.words}"
-        canvas.text(x + 8, y, words, fontsize=SMALL_PT, va="center")
+        canvas.add_text(x + 8, y, words, fontsize=SMALL_PT, va="center")
         x += 26 + 5.4 * len(words)
-    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL_PT, va="center")
+    canvas.add_text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL_PT, va="center")
 
 
 class Course(NamedTuple):
@@ -103,8 +103,8 @@ def draw_heights(canvas: Canvas, place: PixelBox, shot: Shot, feet: list[Course]
 
     `place`: rectangle of the plot, pixels. `feet`: curves of the corners, in the order of the numbers in `Impact.foot`.
     """
-    axes = canvas.axes(*place)
-    canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
+    axes = canvas.add_axes(*place)
+    canvas.add_text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
     times, heights = 1e3 * shot.times, 1e3 * np.array([course.heights for course in feet])
     plate = 1e3 * shot.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
@@ -181,11 +181,11 @@ def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tai
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
     """Return a canvas with heading and legend, and its empty line of text for numbers. `slow`: as of `format_pace`."""
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
-    canvas.text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
+    canvas.add_text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)
-    canvas.text(788, 547, format_pace(slow), ha="right", weight="bold")
+    canvas.add_text(788, 547, format_pace(slow), ha="right", weight="bold")
     draw_legend(canvas, 20, 253)
-    return canvas, canvas.text(12, 547, "", family="DejaVu Sans Mono")
+    return canvas, canvas.add_text(12, 547, "", family="DejaVu Sans Mono")
 
 
 def format_moment(time: float, phase: float, distance: float) -> str:

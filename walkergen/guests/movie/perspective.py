@@ -140,7 +140,7 @@ def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
     points = np.array([(a, b, c) for a in x for c in z for b in (0.0,)])
     fitted = np.vstack([points, covered, [(right, top + 0.1, far)]])
     spacing = nice_ceil(0.05 * float(shot.size[0]))
-    canvas.text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL_PT, ha="right")
+    canvas.add_text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL_PT, ha="right")
     count = len(poses.names)
     return _make_view(canvas, MAIN_PLACE, fitted, (x, z), 0.16 * float(shot.size[0]), count)
 
@@ -158,7 +158,7 @@ def _make_view(
     `area`: ends of the plate along x and z, mm. `longest`: length of the longest arrow, mm. `corners`: number of
     corners of feet.
     """
-    axes = canvas.axes(*place)
+    axes = canvas.add_axes(*place)
     axes.set_axis_off()
     axes.set_xlim(0, place.width)
     axes.set_ylim(0, place.height)
@@ -199,7 +199,7 @@ def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     view = _make_view(canvas, CLOSE_PLACE, rim, (x, z), 0.22 * (right - left), len(names))
     bent = f", bending of legs (below it) × {bend}" if pressed > 0.0 else ""
     words = f"feet, heights over the plate × {zoom}{bent}; numbers: µm"
-    canvas.text(CLOSE_PLACE.left, CLOSE_PLACE.bottom + CLOSE_PLACE.height + 4, words, fontsize=SMALL_PT)
+    canvas.add_text(CLOSE_PLACE.left, CLOSE_PLACE.bottom + CLOSE_PLACE.height + 4, words, fontsize=SMALL_PT)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
     edges = [view.axes.plot([], [], color=foot_colour(k), linewidth=3.0)[0] for k in range(len(names) // 2)]

@@ -82,11 +82,11 @@ def make_draw_function(
     glow, footer_px = (2.0 * frame_s, FOOT_PX + 20) if frame_s < period else (0.0, FOOT_PX)
     height = HEAD_PX + sum(heights) + len(shots) * TITLE_PX + footer_px
     canvas = Canvas(WIDTH_PX, height + height % 2)
-    canvas.text(MARGIN_PX, height - 22, _shared_name(shots), fontsize=LARGE_PT, weight="bold")
+    canvas.add_text(MARGIN_PX, height - 22, _shared_name(shots), fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(MARGIN_PX, height - 40, settings)
     words = f"from above, {format_pace(slow)}"
-    canvas.text(WIDTH_PX - MARGIN_PX, height - 22, words, ha="right", weight="bold")
-    clock = canvas.text(0.5 * WIDTH_PX, height - 22, "", family="DejaVu Sans Mono", ha="center")
+    canvas.add_text(WIDTH_PX - MARGIN_PX, height - 22, words, ha="right", weight="bold")
+    clock = canvas.add_text(0.5 * WIDTH_PX, height - 22, "", family="DejaVu Sans Mono", ha="center")
     interval = nice_floor(max(float(shot.poses.times[-1]) for shot in shots) / 6.0)  # some ten dots
     arenas, top = [], height - HEAD_PX
     for shot, height_px, window in zip(shots, heights, windows, strict=True):
@@ -142,7 +142,7 @@ def _make_arena(
     interval: float,
 ) -> Arena:
     """Add an arena to the canvas. Lengths in pixels; `middle` and `gap` of walls in mm, `interval` of dots in s."""
-    axes = canvas.axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
+    axes = canvas.add_axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
     set_scale(axes, middle, scale)
     axes.set_facecolor(GROUND_COLOUR)
     for spine in axes.spines.values():
@@ -150,8 +150,8 @@ def _make_arena(
     for wall in () if gap is None else (-0.5 * gap, 0.5 * gap):
         axes.axhline(wall, color=INK, linewidth=1.5)
     axes.plot(*shot.track[0], "+", color=INK, markersize=7, markeredgewidth=0.8)
-    canvas.text(MARGIN_PX, bottom + height + 6, shot.title.legs, weight="bold")
-    readout = canvas.text(WIDTH_PX - MARGIN_PX, bottom + height + 6, "", family="DejaVu Sans Mono", ha="right")
+    canvas.add_text(MARGIN_PX, bottom + height + 6, shot.title.legs, weight="bold")
+    readout = canvas.add_text(WIDTH_PX - MARGIN_PX, bottom + height + 6, "", family="DejaVu Sans Mono", ha="right")
     (trail,) = axes.plot([], [], color=TRAIL_COLOUR, linewidth=1.4)
     poses_per_dot = max(1, round(interval / float(shot.poses.times[1])))
     (dots,) = axes.plot([], [], "o", color=TRAIL_COLOUR, markersize=3.5, markevery=poses_per_dot)
@@ -211,11 +211,11 @@ def _format_readout(shot: Shot, pose: int) -> str:
 def _draw_scale_bar(canvas: Canvas, scale: float, interval: float) -> None:
     """Draw a scale bar and explain the marks. `scale`: pixels per mm. `interval`: time between dots, s."""
     length = nice_floor(200.0 / scale)
-    axes = canvas.axes(MARGIN_PX, 18, length * scale, 6)
+    axes = canvas.add_axes(MARGIN_PX, 18, length * scale, 6)
     axes.set_xlim(0, 1)
     axes.set_xticks([])
     axes.set_yticks([])
     axes.spines[["top"]].set_visible(False)
-    canvas.text(MARGIN_PX + length * scale + 8, 16, f"{length:g} mm", fontsize=SMALL_PT)
+    canvas.add_text(MARGIN_PX + length * scale + 8, 16, f"{length:g} mm", fontsize=SMALL_PT)
     words = f"line: trail of the body's centre of mass, a dot every {interval:g} s; arrow: heading"
-    canvas.text(WIDTH_PX - MARGIN_PX, 16, words, fontsize=SMALL_PT, ha="right")
+    canvas.add_text(WIDTH_PX - MARGIN_PX, 16, words, fontsize=SMALL_PT, ha="right")
