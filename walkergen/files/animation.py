@@ -56,7 +56,7 @@ def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str],
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
-    """Draw `count` frames in order into an MP4 and return it with "", or None with the reason without ffmpeg.
+    """Draw `count` frames in order into an MP4. Return it and "", or None and the reason, such as no ffmpeg.
 
     For pictures with so much motion that a GIF would be many times as large.
     """

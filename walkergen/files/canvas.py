@@ -51,7 +51,7 @@ class Canvas:
         return self.figure.text(x, y, words, **style)
 
     def add_caption(self, x: float, y: float, words: str) -> None:
-        """Write a small line that stays inside the picture, in smaller letters if it is long."""
+        """Write a line of small text that stays inside the picture, in smaller letters if it is long."""
         max_letters = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL_PT
         self.add_text(x, y, words, fontsize=SMALL_PT * min(1.0, max_letters / len(words)))
 

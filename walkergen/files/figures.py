@@ -204,7 +204,7 @@ def new_grid(
 def label_axes(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
     """Name the axes, with units; those in `log` ("x", "y", "xy") are logarithmic.
 
-    It comes last: ticks of logarithmic axes depend on their limits.
+    Call it last: ticks of logarithmic axes depend on their limits.
     """
     if x:
         axes.set_xlabel(x)

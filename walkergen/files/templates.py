@@ -39,7 +39,7 @@ def folder() -> Path:
 
 
 def names(kind: str) -> list[str]:
-    """Return the names of the templates of a kind (one of KINDS) that users copy as a start of their own, sorted."""
+    """Return the names of the templates of a kind (one of KINDS) that users copy and change, sorted."""
     return sorted(path.stem for path in (folder() / kind).glob("*.toml"))
 
 

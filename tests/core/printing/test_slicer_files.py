@@ -193,8 +193,7 @@ def test_the_sheet_states_how_to_load_the_settings_and_the_plastic_of_a_plate():
         assert word in told
     assert all(name in files for name in re.findall(r"`(p_[\w-]+\.\w+)`", told) if ".gc" not in name)
     (one,) = made.plates
-    solids_of = zip(made.members, made.built, strict=True)
-    weighed = [print_sheet.expected_masses("", design, built, MK3S) for design, built in solids_of]
+    weighed = [print_sheet.expected_masses("", *each, MK3S) for each in zip(made.members, made.built, strict=True)]
     found = print_sheet.plate_totals(one, made.parts, [each.load for each in weighed], MK3S)
     grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)

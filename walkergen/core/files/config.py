@@ -282,7 +282,7 @@ def _union_tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
 
 
 def _find_line(location: tuple[str, ...], text: str) -> int | None:
-    """Return the line of a key in TOML text, otherwise that of its table, otherwise None.
+    """Return the number of the line of a key in TOML text, otherwise that of its table, otherwise None.
 
     Headers of tables and dotted keys both count.
     """
@@ -321,7 +321,14 @@ def _split_key(dotted: str) -> tuple[str, ...]:
 def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
     """Return the message on a key that no such file can have, with the allowed key most like it; "" for an allowed key.
 
-    `location`: the key's tables and its name. `prefix` is written before each allowed key.
+    Parameters
+    ----------
+    location : tuple of str
+        Names of the tables that lead to the key, and of the key itself.
+    model : type of Section
+        Model of the file.
+    prefix : str
+        Text before each allowed key in the message.
     """
     if _field_at(location, model) is not None:
         return ""

@@ -60,8 +60,8 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
 def ceiling_span(part: Part, design: Design) -> float:
     """Return the span, mm, of the bridge of plastic over a pocket in the print, or 0 if the pocket is open at that end.
 
-    Bodies print upside down, so a pocket that opens down is open at the top, or on their side. The bridge joins the two
-    nearer walls: those along the body, or those across it unless the pocket opens to the side.
+    That end is open if the pocket opens down in a body that prints upside down, or to the side in one on its side. The
+    bridge joins the two nearer walls: those along the body, or those across it unless the pocket opens to the side.
     """
     is_on_side = solids.is_printed_on_side(design)
     if part.opens == ("side" if is_on_side else "down"):
@@ -132,7 +132,8 @@ def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":
 def _wall_thickness(pocket: "shapely.Geometry", body: "shapely.Geometry") -> float:
     """Return the smallest distance of a pocket from the edge of the body in one slice, y up, mm.
 
-    If the pocket leaves the body above, edges beside the opening are no walls. If it leaves it elsewhere, return 0.
+    If the pocket opens through the body's upper edge, edges beside the opening are no walls. If it leaves the body
+    elsewhere, return 0.
     """
     import shapely
 

@@ -120,7 +120,7 @@ class Limb(NamedTuple):
 
     @property
     def anchor_to_foot(self) -> Point:
-        """Vector from the anchor (centre line on the underside) to where the leg touches, in mm.
+        """Vector from the anchor (centre line on the underside) to the point that touches the plate, mm.
 
         Flat foot (cut parallel to the plate): the middle of the cut. Square (cut across the leg):
         its lower corner. Round (a half circle): the lowest point of the arc. The centre line from

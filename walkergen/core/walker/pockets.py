@@ -87,8 +87,8 @@ def part_meshes(design: Design) -> dict[str, Mesh]:
 def weigh_contents(design: Design) -> list[SolidMass]:
     """Compute the mass properties of motor and battery, each with its share of the glue, and of the wires.
 
-    The wires are a thin rod between the middles of both parts, or within the only one. Centres are in the design's
-    frame.
+    The wires are a thin rod between the middles of both parts. Their mass is added to a single part. Centres are in the
+    design's frame.
     """
     cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
     extra = design.pocket_settings.glue_g / len(cylinders)

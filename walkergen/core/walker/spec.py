@@ -55,7 +55,7 @@ class Weighed(Section):
 
     @property
     def has_masses(self) -> bool:
-        """Whether a mass is given that replaces that of the mesh."""
+        """Whether a weighed mass is given, which replaces that of the mesh."""
         return self.body_mass_g is not None or self.leg_mass_g is not None
 
 
@@ -316,7 +316,7 @@ def name_from_text(text: str) -> str:
 
 
 def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return a walker's data with [body] and [legs] in place of the table [walker]. Raises GeometryError."""
+    """Return a walker's data with [body] and [legs] in place of [walker]. Raises GeometryError if it is faulty."""
     if "walker" not in data:
         return data
     merged, table = dict(data), data["walker"]

@@ -171,7 +171,7 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
 
 
 def check_stated_masses(design: Design) -> None:
-    """Raise InputError for masses in the design that are far from those of its mesh."""
+    """Raise InputError for weighed masses in the design that differ by more than MAX_MASS_RATIO from its mesh's."""
     if not design.weighed.has_masses:
         return
     stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
@@ -227,7 +227,7 @@ def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> De
 
 
 def without_weighed_masses(design: Design) -> Design:
-    """Return the design with its mesh's masses, ignoring weighed ones."""
+    """Return the design without its weighed masses, so that those of its mesh apply."""
     plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
     return design.model_copy(update={"weighed": plain})
 

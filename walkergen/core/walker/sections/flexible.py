@@ -49,7 +49,7 @@ def struts(limb: Limb) -> tuple[Strut, ...]:
 
 
 def second_moment(limb: Limb) -> float:
-    """Return the second moment of its area about the axis across the run, mm^4."""
+    """Return the second moment of the leg's cross-section about the axis across the run, mm^4."""
     return limb.width * limb.thickness**3 / 12.0
 
 
