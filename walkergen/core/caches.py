@@ -32,7 +32,7 @@ readers of pickles do not see."""
 
 
 def home() -> Path:
-    """Return walkergen's folder in the platform's cache. Raises OSError for a user without a home."""
+    """Return the path of walkergen's folder in the user's cache, which may not exist. Raises OSError without a home."""
     from platformdirs import user_cache_path
 
     found = user_cache_path("walkergen", appauthor=False)
@@ -42,10 +42,10 @@ def home() -> Path:
 
 
 def folder(name: str) -> Path:
-    """Return a writable folder of this name in the user's cache, private to the user.
+    """Create the folder `name` in walkergen's cache, if it does not exist, and return its path.
 
-    If there is no home, or it cannot be written or belongs to another user, the folder is temporary: it is removed when
-    the process ends.
+    The folder is writable and private to the user. If none can be, for example without a home, the path is that of a
+    temporary folder, which is removed when the process ends.
     """
     try:
         found = home() / name
@@ -79,7 +79,7 @@ _announced: set[str] = set()
 
 @contextlib.contextmanager
 def suppress_compile_notice() -> Iterator[None]:
-    """Suppress the notice about kernels that are being compiled."""
+    """Print no notice about the compilation of kernels while a block runs."""
     before = set(_announced)
     _announced.update(COMPILE_TIMES_S)
     try:
@@ -89,9 +89,9 @@ def suppress_compile_notice() -> Iterator[None]:
 
 
 def announce_compilation(place: Path) -> None:
-    """Print once that the kernels of numba's cache folder `place` are being compiled, if that takes long.
+    """Print a notice that kernels are being compiled, once for each folder of sources in COMPILE_TIMES_S.
 
-    Child processes of a pool print nothing.
+    `place` is numba's cache folder, named by that of the sources and a hash. Child processes of a pool print nothing.
     """
     from multiprocessing import parent_process
 
@@ -161,7 +161,7 @@ def add_checksums(base: Any) -> Any:
 
 
 def _is_intact(path: Path) -> bool:
-    """Return whether a path is a regular file whose content matches the checksum at its end, if it has one."""
+    """Return whether a path is a regular file that matches the checksum at its end, or that has no checksum."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             return False
@@ -181,7 +181,10 @@ def _configure_numba_cache(place: Path) -> None:
 
 
 def prepare_version_folder(name: str, version: str) -> Path:
-    """Return a writable folder for one version of cached data. Remove folders of other versions long unused."""
+    """Return the folder `name`-`version` in walkergen's cache, created if needed. Remove other versions long unused.
+
+    A folder of KERNEL_FOLDER becomes the cache of numba, which is imported, unless numba was imported before.
+    """
     found = folder(f"{name}-{version}")
     try:
         os.utime(found)  # in use

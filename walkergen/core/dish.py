@@ -34,7 +34,7 @@ class Dish(NamedTuple):
 
     @property
     def area(self) -> float:
-        """Area between the walls, mm^2."""
+        """Area between the walls, or of the periodic square, mm^2."""
         if self.kind == "disc":
             return 0.25 * math.pi * self.sizes[0] ** 2
         if self.kind == "ring":
@@ -53,7 +53,7 @@ class Dish(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Dish in the form that users write."""
+        """Dish in the form that users write, such as "rectangle:200x100"."""
         mark = "x" if self.kind == "rectangle" else ","
         return f"{self.kind}:{mark.join(f'{size:g}' for size in self.sizes)}"
 

@@ -146,12 +146,12 @@ class Drive(Section):
         return self
 
     def push_ratio(self, mass: float) -> float:
-        """Return the motor's largest push divided by the weight of a walker of this mass, g."""
-        return self.eccentric * self.omega**2 / (mass * GRAVITY)
+        """Return the centrifugal force of the motor's rotor over the weight of a walker of `mass` g; 0 for a plate."""
+        return self.eccentric_moment * self.omega**2 / (mass * GRAVITY)
 
     @property
     def omega(self) -> float:
-        """Angular frequency, rad/s."""
+        """Angular frequency of the plate or the motor, rad/s."""
         if self.frequency_hz is not None:
             return 2 * math.pi * self.frequency_hz
         if self.amplitude_um is not None and self.peak_speed_mm_s is not None:
@@ -164,12 +164,12 @@ class Drive(Section):
 
     @property
     def frequency(self) -> float:
-        """Frequency, Hz."""
+        """Frequency of the plate or the motor, Hz."""
         return self.omega / (2 * math.pi)
 
     @property
     def amplitude(self) -> float:
-        """Amplitude of the displacement, mm. Raises InputError for a motor."""
+        """Amplitude of the plate's fundamental vibration, mm. Raises InputError for a motor."""
         if self.kind == "motor":
             raise InputError(
                 "drive.kind = 'motor': how far a motor shakes depends on the walker that carries "
@@ -184,23 +184,23 @@ class Drive(Section):
 
     @property
     def peak_speed(self) -> float:
-        """Largest speed of the plate's fundamental vibration, mm/s."""
+        """Largest speed of the plate's fundamental vibration, mm/s. Raises InputError for a motor."""
         return self.amplitude * self.omega
 
     @property
     def peak_gamma(self) -> float:
-        """Largest acceleration of the plate's fundamental vibration over g."""
+        """Largest acceleration of the plate's fundamental vibration over g. Raises InputError for a motor."""
         return self.peak_speed * self.omega / GRAVITY
 
     @property
-    def eccentric(self) -> float:
-        """Eccentric moment of a motor's rotor, g mm; 0 of a plate."""
+    def eccentric_moment(self) -> float:
+        """Unbalanced mass of a motor's rotor times its distance from the axis, g mm; 0 for a plate."""
         return self.eccentric_g_mm or 0.0
 
     def axis_vector(self, default_axis: str) -> tuple[float, float, float]:
         """Return the unit vector (along, across to the right, up) of a rotor's axis, by the right-hand rule.
 
-        `default_axis` is that of the motor in the design, for a drive without an axis.
+        If the drive has no axis, it is `default_axis`: "along", "across" or "up".
         """
         axis = self.axis or default_axis
         x, y, z = AXES[axis] if isinstance(axis, str) else axis
@@ -208,27 +208,24 @@ class Drive(Section):
         return x / size, y / size, z / size
 
     def equivalent_plate_drive(self, mass: float) -> "Drive":
-        """Return the drive of a plate that would move under a walker of this mass (g) as its motor moves it.
-
-        The drive of a plate is returned unchanged.
-        """
+        """Return the drive of a plate that moves as this motor shakes a free walker of `mass` g, or this plate's."""
         if self.kind == "plate":
             return self
-        return Drive.model_construct(frequency_hz=self.frequency_hz, amplitude_um=1e3 * self.eccentric / mass)
+        return Drive.model_construct(frequency_hz=self.frequency_hz, amplitude_um=1e3 * self.eccentric_moment / mass)
 
     @property
     def motor_in_words(self) -> str:
-        """Description of the motor; "" for a plate."""
+        """Description of the motor, such as "motor, 170 Hz, 0.5 g mm, axis up"; "" for a plate."""
         if self.kind == "plate":
             return ""
         axis = f", axis {self.axis}" if self.axis else ""
-        return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}"
+        return f"motor, {self.frequency:g} Hz, {self.eccentric_moment:.3g} g mm{axis}"
 
     def drop_contradicted_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Return this drive's data after some keys were set, without the older keys that contradict these.
+        """Return a user's change of this drive without the drive's older keys that contradict the change.
 
-        `data` has values by key, the set ones included, `keys` the set ones alone. Setting one of a plate's four
-        numbers keeps the frequency. Setting the frequency keeps the peak acceleration, or a motor's moment.
+        `data` has all values after the change, by key, and `keys` those that the user set. Setting one of a plate's
+        four numbers keeps the frequency. Setting the frequency keeps the peak acceleration, or a motor's moment.
         """
         if data.get("kind", "plate") == "motor":
             return self._drop_plate_keys(data, keys)
@@ -244,7 +241,7 @@ class Drive(Section):
         return data
 
     def _drop_plate_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a motor's `data`. If this drive is a plate, keep its frequency, and other keys if in `keys`."""
+        """Return a motor's `data`. If this drive is a plate's, drop its keys not in `keys`, but keep its frequency."""
         if self.kind == "plate":
             data = {k: v for k, v in data.items() if k not in PLATE_KEYS or k in keys}
             return {"frequency_hz": self.frequency} | data
@@ -256,5 +253,5 @@ REST_GAMMA = 1e-30
 
 
 def still_plate_drive(frequency_hz: float) -> Drive:
-    """Return the drive of a plate at rest. It is not validated, since its number is too small for a file."""
+    """Return the drive of a plate at rest: its peak acceleration is REST_GAMMA, which a file may not have."""
     return Drive.model_construct(frequency_hz=frequency_hz, gamma=REST_GAMMA)

@@ -36,12 +36,12 @@ SPELLINGS: list[Spelling] = [spell_for_python]
 
 
 def spell(text: str) -> str:
-    """Return a text with its marked fields (‹field›) as the user writes them: in Python, unless a command runs."""
+    """Return a text with its marked fields (‹field›) as the running command's user writes them, or as in Python."""
     return SPELLINGS[-1](text) if "‹" in text else text
 
 
 def spell_all(data: Any) -> Any:
-    """Return data, such as those of a JSON file, with all their texts spelled by `spell`."""
+    """Return data, such as those of a JSON file, with `spell` applied to all texts among its values."""
     if isinstance(data, str):
         return spell(data)
     if isinstance(data, Mapping):
@@ -53,7 +53,7 @@ def spell_all(data: Any) -> Any:
 
 
 class Remedy(NamedTuple):
-    """Remedy for a mistake: its effect, and the keys that cause it."""
+    """Remedy for a mistake: what it does, and the values of keys to set."""
 
     words: str
     values: Mapping[str, bool | float | str | None]
@@ -88,7 +88,7 @@ class WalkergenError(Exception):
 
     @property
     def text(self) -> str:
-        """Text whose fields are not spelled yet, for the text of another error."""
+        """Text in which fields are still marked as ‹field›, for use in the text of another error."""
         return Exception.__str__(self)
 
     def __str__(self) -> str:
@@ -128,7 +128,7 @@ class InputError(WalkergenError):
         return tuple(self.helps())
 
     def resolve_remedies(self) -> Self:
-        """Find the remedies now. Return the error in a form that can be sent to another process."""
+        """Find the remedies now and keep them, so that the error can be sent to another process. Return this error."""
         self.helps = partial(tuple, self.remedies)
         return self
 
@@ -139,7 +139,7 @@ class InputError(WalkergenError):
 
     @property
     def text(self) -> str:
-        """Text of the error with the remedies, whose fields are not spelled yet."""
+        """Text of the error with the remedies, in which fields are still marked as ‹field›."""
         helps = ", or ".join(map(str, self.remedies))
         return f"{self.fault.rstrip('.')}. What helps: {helps}" if helps else self.fault
 

@@ -44,7 +44,7 @@ class Experiment(Protocol):
         """Compute quantities, each with its error, from the records of one or more runs."""
 
     def finer(self) -> Self | None:
-        """Return the experiment with smaller biases; None if it has none, or no smaller ones."""
+        """Return the experiment with smaller biases, as from shorter time steps; None if it cannot reduce them."""
 
 
 AnExperiment = TypeVar("AnExperiment", bound=Experiment)
@@ -64,16 +64,16 @@ class Measured(NamedTuple, Generic[AnExperiment]):
 
     @property
     def partial(self) -> bool:
-        """Whether Ctrl-C left runs out."""
+        """Whether Ctrl-C ended the measurement before all requested runs were finished."""
         return len(self.records) < self.runs
 
     @property
     def quantities(self) -> Mapping[str, Quantity]:
-        """Results of the runs, by the names of columns."""
+        """Quantities from the finished runs, by their names (`Quantity.column`)."""
         return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
 
     def with_runs(self, runs: int) -> "Measured[AnExperiment]":
-        """Return the measurement with a request for `runs` runs in all."""
+        """Return the measurement with `runs` as the number of requested runs, finished ones included."""
         return self._replace(runs=runs)
 
 
@@ -84,7 +84,7 @@ class Until(Protocol):
     def first_runs(self) -> int:
         """Number of runs to begin with."""
 
-    def further(self, measured: Measured[Any]) -> Measured[Any] | None:
+    def request_more(self, measured: Measured[Any]) -> Measured[Any] | None:
         """Return the measurement with more runs requested, or with a finer experiment; None if it is good enough."""
 
 
@@ -93,7 +93,7 @@ class Runs(NamedTuple):
 
     first_runs: int
 
-    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+    def request_more(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Return None: no further runs are made."""
         return None
 
@@ -104,14 +104,14 @@ class Budget(NamedTuple):
     seconds: float
     first_runs: int = FIRST_RUNS
 
-    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+    def request_more(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Return the measurement with up to twice the runs requested, as time allows; None if no more fit."""
         affordable = int(self.seconds * measured.runs / max(measured.wall_s, 1e-9))
         return None if affordable <= measured.runs else measured.with_runs(min(2 * measured.runs, affordable))
 
 
 class UntilError(NamedTuple):
-    """Rule: add runs until the error of the quantity in column `of` is at most `tolerance`, or cannot fall further."""
+    """Rule: add runs until the error of the quantity in `column` is at most `tolerance`, or cannot fall further."""
 
     tolerance: Tolerance
     column: str
@@ -126,7 +126,7 @@ class UntilError(NamedTuple):
         tolerated, relative = self.tolerance
         return tolerated * max(abs(value or 0.0), self.floor) if relative else tolerated
 
-    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+    def request_more(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Return the measurement with more runs requested or a finer experiment. None if met, or if neither helps."""
         quantity = measured.quantities[self.column]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
@@ -142,7 +142,7 @@ class UntilError(NamedTuple):
         return measured.with_runs(min(self.max_runs, runs))
 
     def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
-        """Return the first finer experiment whose bias, estimated from the runs so far, is allowed; else the finest."""
+        """Return the first of the experiment and its finer ones whose estimated bias is allowed, or else the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
             quantity = measured._replace(experiment=experiment).quantities[self.column]
@@ -162,8 +162,7 @@ def measure(
 ) -> Measured[AnExperiment]:
     """Run an experiment on `threads` threads (None: every core), until the rule `until` has enough runs.
 
-    Any number of threads gives equal bits, and the first n of more runs are n runs. Ctrl-C returns the finished runs.
-    It is raised again if there are none.
+    Records do not depend on the number of threads, nor on later runs. Ctrl-C returns finished runs or is raised again.
     """
     request: Measured[AnExperiment] | None = Measured(experiment, [], until.first_runs, 0.0)
     while request is not None:
@@ -182,5 +181,5 @@ def measure(
             return measured
         records = [*measured.records, *new_records.values()]
         measured = measured._replace(records=records, wall_s=measured.wall_s + time.perf_counter() - started)
-        request = None if measured.partial else until.further(measured)
+        request = None if measured.partial else until.request_more(measured)
     return measured

@@ -151,7 +151,7 @@ class Plate(Section):
 
     @property
     def elastic(self) -> Elastic:
-        """Elastic constants of the plate: those of its material, with Young's modulus if that is given."""
+        """Elastic constants of the plate's material, with `youngs_modulus_gpa` in place of its modulus if given."""
         elastic, modulus = PLATE_MATERIALS[self.material], self.youngs_modulus_gpa
         return elastic if modulus is None else elastic._replace(youngs_modulus_gpa=modulus)
 
@@ -221,7 +221,7 @@ class Crowd(Section):
 
     @property
     def dish(self) -> "Dish":
-        """Dish of the crowd, parsed from its text."""
+        """Dish of the crowd, parsed from `arena_mm`."""
         from walkergen.core import dish
 
         return dish.parse_dish(self.arena_mm, "crowd.arena_mm")
@@ -323,7 +323,7 @@ EffectName = Literal[
 
 
 def forced_effect_line(name: str, on: bool) -> str:
-    """Return the line of a scene that forces an effect on or off."""
+    """Return the line of a scene's file that forces the effect `name` on or off, such as effects.on = ["lid"]."""
     return f'effects.{"on" if on else "off"} = ["{name}"]'
 
 
@@ -433,9 +433,9 @@ class Scene(Section):
         return data
 
     def variant(self, **keys: Any) -> "Scene":
-        """Return the scene with other values of any keys of its file.
+        """Return a copy of the scene in which some keys have other values.
 
-        Everything is validated together, as the file's lines are, unlike by pydantic's `model_copy`.
+        The copy is validated as a file is, unlike a copy by pydantic's `model_copy`.
 
         Parameters
         ----------
@@ -461,7 +461,7 @@ class Scene(Section):
         return replace_values(self, keys, self.name)
 
     def value(self, key: str) -> Any:
-        """Return the value of a key of its file.
+        """Return the value of one of the scene's keys.
 
         Parameters
         ----------
@@ -477,7 +477,7 @@ class Scene(Section):
         return getattr(getattr(self, table), name)
 
     def is_zero(self, key: str) -> bool:
-        """Return whether the number of a key, or all its numbers, are zero or not given.
+        """Return whether the value of a key is zero, a list of zeros, or not given.
 
         Parameters
         ----------
@@ -487,7 +487,7 @@ class Scene(Section):
         Returns
         -------
         bool
-            True without a number other than zero.
+            True if the value has no number other than zero.
         """
         value = self.value(key)
         return not (any(value) if isinstance(value, list) else value)

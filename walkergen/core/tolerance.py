@@ -21,7 +21,7 @@ class Tolerance(NamedTuple):
 
 
 def parse_tolerance(text: str) -> Tolerance:
-    """Parse "5%" or "3mm/s". Raises InputError."""
+    """Parse an error such as "5%" or "3mm/s". Raises InputError for other text, and for numbers outside `UNITS`."""
     unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
     value = formatting.parse_number(text.rstrip(" ").removesuffix(unit))
     if not unit or value is None or value <= 0.0:

@@ -54,7 +54,7 @@ class UntilCertain(NamedTuple):
     known: SurrogateCase
     first_runs: int = FIRST_RUNS
 
-    def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
+    def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
         """Return a measurement with RUN_GROWTH times as many runs; None if that is certain enough, or MAX_RUNS."""
         nominal = combine(self.known, measured.records)
         if nominal is None or measured.runs >= MAX_RUNS:

@@ -30,7 +30,7 @@ class UntilDecided(NamedTuple):
         pairs, records = measured.experiment, measured.records
         return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
-    def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
+    def request_more(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
         """Return the measurement with twice as many pairs; None if the verdict is clear or MAX_PAIRS is reached."""
         change = measured.experiment.changes(measured.records)[0].speed
         decided = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None

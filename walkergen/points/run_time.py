@@ -91,12 +91,12 @@ class ErrorWithEstimate(NamedTuple):
         """Number of runs to begin with."""
         return self.until.first_runs
 
-    def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
+    def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
         """Return the measurement with more runs, or a finer experiment, until the error is met; None then.
 
         After the first runs, pass a function that estimates the remaining time to `expect`.
         """
-        more = self.until.further(measured)
+        more = self.until.request_more(measured)
         if more is not None and measured.runs == self.until.first_runs:
             self.expect(lambda: time_to_error(self.until, measured))
         return more
@@ -120,7 +120,7 @@ def time_to_error(until: UntilError, measured: Measured[Walker]) -> Expected:
 
 def cost_of_error(until: UntilError, measured: Measured[Walker]) -> float:
     """Estimate the remaining CPU seconds until the error is met, from the first runs `measured`; 0 if it is met."""
-    if until.further(measured) is None:
+    if until.request_more(measured) is None:
         return 0.0
     finer = until.select_resolution(measured)
     runs = _runs_needed(until, measured, finer)

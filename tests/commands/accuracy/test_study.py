@@ -124,7 +124,7 @@ def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
     for step in survey.steps:
         granted_s, runs = survey.claim_budget(step), 4
         made = measure.Measured(None, [], runs, runs * run_s)
-        while (more := measure.Budget(granted_s, 4).further(made)) is not None:
+        while (more := measure.Budget(granted_s, 4).request_more(made)) is not None:
             made = more._replace(wall_s=more.runs * run_s)
         survey.simulated_s += made.wall_s
     assert not survey.due

@@ -214,7 +214,7 @@ def test_a_motor_keeps_its_moment_at_another_frequency():
     scene = Scene(drive=Drive(kind="motor", frequency_hz=180.0, eccentric_g_mm=0.7)).variant(
         **{"drive.frequency_hz": 150.0}
     )
-    assert scene.drive.eccentric == 0.7
+    assert scene.drive.eccentric_moment == 0.7
 
 
 def test_a_scene_changes_between_plate_and_motor_by_its_kind():

@@ -103,7 +103,7 @@ def _motor_inputs(drive: Drive) -> tuple[Input, ...]:
     """Return the inputs of a motor, cut off at half and twice their values; none of a plate."""
     if drive.kind == "plate":
         return ()
-    pace, moment = drive.frequency, drive.eccentric
+    pace, moment = drive.frequency, drive.eccentric_moment
     return (
         Input(
             FREQUENCY_KEY,

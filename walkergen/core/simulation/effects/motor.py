@@ -65,16 +65,16 @@ def decide(case: Case) -> Effect:
         return Effect(NAME, False, 0.0, meaning, "drive.kind = 'plate'", "")
     design, total = case.design, float(case.mass.total)
     design.driving_motor()
-    swing_radius, length = drive.eccentric / total, design.size.length
+    swing_radius, length = drive.eccentric_moment / total, design.size.length
     if swing_radius >= length:
         raise InputError(
-            f"drive.eccentric_g_mm = {drive.eccentric:.3g}: must lie below the walker's mass times "
+            f"drive.eccentric_g_mm = {drive.eccentric_moment:.3g}: must lie below the walker's mass times "
             f"its length, {total * length:.3g}; coin motors have about 1"
         )
     number = drive.push_ratio(total)
     if number > MAX_PUSH_RATIO:
         raise InputError(
-            f"drive.eccentric_g_mm = {drive.eccentric:.3g} at {drive.frequency:g} Hz: pushes with "
+            f"drive.eccentric_g_mm = {drive.eccentric_moment:.3g} at {drive.frequency:g} Hz: pushes with "
             f"{number:.3g} times the walker's weight; at most {MAX_PUSH_RATIO:g}; lower one of them"
         )
     return Effect(NAME, True, number, meaning, "drive.kind = 'motor'", "")
@@ -102,7 +102,7 @@ def _rotor_inertia(case: Case) -> float:
     """
     motor = case.design.driving_motor()
     disc = ROTOR_MASS_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
-    return float(max(disc - case.scene.drive.eccentric**2 / case.mass.total, 0.0))
+    return float(max(disc - case.scene.drive.eccentric_moment**2 / case.mass.total, 0.0))
 
 
 def _least_inertia(case: Case) -> float:
@@ -128,7 +128,7 @@ def parameters(case: Case, with_gyroscopic_torque: bool, can_turn: bool) -> Roto
     x, y, z = np.cross(n, first).tolist()
     h = _rotor_inertia(case) * drive.omega if with_gyroscopic_torque else 0.0
     spin = (h * n[0], h * n[1], h * n[2])
-    rotor = Rotor(drive.eccentric, drive.omega, first, (x, y, z), motor_position(case), spin)
+    rotor = Rotor(drive.eccentric_moment, drive.omega, first, (x, y, z), motor_position(case), spin)
     return rotor if can_turn else _restrict_to_plane(rotor)
 
 
