@@ -12,7 +12,7 @@ from walkergen.core.numerics import Array, Mask
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation import run
 from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.space.pose import locate, plate_height, update_pose
+from walkergen.core.simulation.space.pose import fill_points, plate_height, update_pose
 from walkergen.core.simulation.space.state import (
     C_X,
     HEADING,
@@ -119,7 +119,7 @@ def _fill_points(world, states, points, plate):
         state = states[i].copy()
         work = work_for(world.walker, state)
         update_pose(world, state, work)
-        locate(world, state, work)
+        fill_points(world, state, work)
         plate[i] = plate_height(world, state)
         for k in range(points.shape[1]):
             for axis in range(3):

@@ -17,7 +17,7 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import drop_for_run, simulate
 from walkergen.core.simulation.space.model import energy, mirror_state
 from walkergen.core.simulation.space.points import mirror_order
-from walkergen.core.simulation.space.pose import locate, update_pose
+from walkergen.core.simulation.space.pose import fill_points, update_pose
 from walkergen.core.simulation.space.state import J_N, ROW_LENGTH, TRAJECTORY_COLUMNS, V_Y, W_X, first_row, work_for
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -76,7 +76,7 @@ def test_under_a_lid_energy_is_booked_and_no_corner_is_far_beyond_it(name):
         plan.advance(state, 1e-3, tally)
         work = work_for(walker, state)
         update_pose(plan.world, state.copy(), work)
-        locate(plan.world, state.copy(), work)
+        fill_points(plan.world, state.copy(), work)
         deepest = min(deepest, float(work.points["gap"][lid].min()))
         pressed |= bool((state[first_row(walker) + ROW_LENGTH * lid + J_N] > 0.0).any())
     assert pressed

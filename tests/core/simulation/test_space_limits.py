@@ -13,7 +13,7 @@ from space_rival import UP, Walker, land, plan_of, weightless
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import feet
 from walkergen.core.simulation.space.frame import fill_frame, fill_leg_mobility
-from walkergen.core.simulation.space.pose import locate, point_velocity, update_pose
+from walkergen.core.simulation.space.pose import fill_points, point_velocity, update_pose
 from walkergen.core.simulation.space.state import (
     C_X,
     C_Y,
@@ -208,7 +208,7 @@ def shown_geometry(plan, state):
     """Place of O, rotation, and corners by the rival's geometry, of what a state shows."""
     work = work_for(plan.world.walker, state)
     update_pose(plan.world, state, work)
-    locate(plan.world, state, work)
+    fill_points(plan.world, state, work)
     O = np.array([state[SHOWN_X], state[HEIGHT], -state[SHOWN_Y]])  # noqa: E741
     rival = Walker(plan.case.design, plan.case.mass)
     corners = O + rival.corners(state[LEGS : LEGS + 4]) @ work.R.T

@@ -12,7 +12,7 @@ from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.simulation.space.model import energy
-from walkergen.core.simulation.space.pose import locate, update_pose
+from walkergen.core.simulation.space.pose import fill_points, update_pose
 from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, V_X, V_Y, V_Z, work_for
 from walkergen.core.theory import stationary
 from walkergen.core.walker import solids
@@ -164,7 +164,7 @@ def test_energy_is_booked_and_no_corner_sinks_in(keys):
         plan.advance(state, 1e-3, tally)
         work = work_for(walker, state)
         update_pose(plan.world, state.copy(), work)
-        locate(plan.world, state.copy(), work)
+        fill_points(plan.world, state.copy(), work)
         deepest = min(deepest, float(work.points["gap"].min()))
     # all of a walker at 0.2 m/s on one corner, on a plate at 4 g
     assert -deepest < deepest_of(walker, 0, 5.0 * 9806.65 * walker.mass, 200.0)

@@ -20,7 +20,7 @@ from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import Outcome, simulate
-from walkergen.core.simulation.space.pose import locate, update_pose
+from walkergen.core.simulation.space.pose import fill_points, update_pose
 from walkergen.core.simulation.space.state import LEGS, PHASE, V_X, W_X, work_for
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
@@ -236,7 +236,7 @@ def gaps_of(world, state):
     """Gap (mm) of every contact of a state."""
     work, copy = work_for(world.walker, state), state.copy()
     update_pose(world, copy, work)
-    locate(world, copy, work)
+    fill_points(world, copy, work)
     return work.points["gap"]
 
 

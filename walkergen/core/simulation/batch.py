@@ -1,6 +1,6 @@
 """Batches of runs: the one loop of threads, with Ctrl-C and progress.
 
-What a run draws comes from its number alone, so that any number of threads gives the same bits.
+Random numbers of a run depend on its number alone, so results do not depend on the number of threads.
 """
 
 import os
@@ -60,7 +60,7 @@ def run_parallel(
 
 
 def run_all(make_run: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
-    """Make the runs 0 to `count` - 1 with `run_parallel`. Raises KeyboardInterrupt instead of leaving some out."""
+    """Return the results of runs 0 to `count` - 1, from `run_parallel`. Raises KeyboardInterrupt if any is missing."""
     finished = run_parallel(make_run, range(count), progress, threads)
     if len(finished) < count:
         raise KeyboardInterrupt

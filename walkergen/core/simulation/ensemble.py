@@ -55,7 +55,7 @@ class Summary(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Results by their keys in the JSON output."""
+        """Statistics by their keys in the JSON output."""
         table, numbers = functools.partial(observables.table_values, self.numbers), self.numbers
         return {
             "runs": self.runs,
@@ -77,7 +77,7 @@ class Summary(NamedTuple):
 
 
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
-    """Return a function that simulates one run; its arguments are those of `OneRun`, and the run's number seeds it.
+    """Return a function that simulates one run of `plan`, with the arguments of `OneRun`: its number is the seed.
 
     If `impacts` is true, each run keeps a record of all its impacts. With a `sample_interval` (s) it also keeps samples
     of the entries of its state that a trajectory shows, `space.state.TRAJECTORY_COLUMNS`.
@@ -87,16 +87,16 @@ def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = No
 
 
 def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -> Summary:
-    """Summarize finished runs on a plate of this peak speed (mm/s), which together took `wall_s` seconds.
+    """Summarize finished runs. Statistical errors are left out if all runs share a periodic orbit.
 
-    Runs that share a periodic orbit have no statistical errors.
+    `plate_speed` is the plate's peak speed, mm/s, and `wall_s` the time that all runs together took, s.
     """
     outcomes = Counter(result.outcome.value for result in results)
     ended_well = [result for result in results if result.outcome in ENDED_WELL]
     speeds = np.array([result.speed for result in ended_well])
     if 0 < len(ended_well) < MIN_RUNS:
         outcomes[Outcome.TOO_FEW.value] = len(ended_well)
-    numbers = {observables.SPEED: mean_speed(ended_well), **observables.observe(results)}
+    numbers = {observables.SPEED: mean_speed(ended_well), **observables.compute_observables(results)}
     if common_orbit(speeds, plate_speed) == ORBIT:
         outcomes[Outcome.ORBIT.value] = len(ended_well)
         for name, number in numbers.items():
@@ -130,7 +130,7 @@ def common_orbit(speeds: Array, plate_speed: float) -> str:
 
 
 def correlation_time(results: Sequence[RunResult]) -> float | None:
-    """Return the integrated autocorrelation time of the block speeds (s); None when the runs are too short."""
+    """Return the integrated autocorrelation time (s) of the speeds of the runs' blocks; None if runs are too short."""
     if not results:
         return None
     series = [result.block_speeds for result in results]
@@ -138,7 +138,7 @@ def correlation_time(results: Sequence[RunResult]) -> float | None:
 
 
 def mean_speed(results: Sequence[RunResult]) -> Quantity:
-    """Return the mean speed of runs of any lengths; without an error for fewer than MIN_RUNS.
+    """Return the mean of the runs' speeds, with an error from their scatter if there are MIN_RUNS or more.
 
     Runs are the samples. They are independent, since each has its own drop, printed feet and noise; pieces of one run
     are not, if a walker changes its direction slowly (C. Alexopoulos and D. Goldsman, ACM Trans. Model. Comput. Simul.

@@ -1,7 +1,7 @@
 """Statistics of runs other than their speed, each with the error that the runs' scatter gives it.
 
-Names are those of `ensemble.Summary.facts`, with a dot before the part of a table: what `simulate --json`
-prints, and what ladders of accuracy study.
+Their names are the keys of `simulate --json` (`ensemble.Summary.facts`). In a table, a dot stands between its name
+and that of the entry, as in type_fractions.sticking.
 """
 
 import math
@@ -45,11 +45,11 @@ MIN_RUNS = 4
 """Smallest number of runs whose scatter serves as an error; with fewer, that error is itself off by half."""
 
 
-def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
-    """Return the observables of all runs together by their OBSERVABLE_NAMES; the speed is left out.
+def compute_observables(results: Sequence[RunResult]) -> dict[str, Quantity]:
+    """Compute the observables of all runs together, by OBSERVABLE_NAMES without the speed.
 
-    Each is a quotient of sums over the runs: of a total and the time, the number of impacts, or their impulse. Shares
-    of runs without impacts are 0.
+    Each is one sum over the runs divided by another: a total by the time, a number of impacts by that of all impacts,
+    or an impulse by that of all landings. Shares are 0 without impacts.
     """
     counts = np.array([result.tally.counts for result in results], dtype=float).reshape(-1, 9)
     sums = np.array([result.tally.sums for result in results]).reshape(-1, 14)  # a row for each run, as in `Tally`
@@ -80,6 +80,6 @@ def ratio_of_sums(key: str, numerators: Array, denominators: Array) -> Quantity:
 
 
 def table_values(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
-    """Return the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS), by names without the table's name."""
+    """Return the values in one table (BY_IMPULSE, BY_NUMBER or POWERS), by their names without that of the table."""
     start = f"{table}."
     return {name.removeprefix(start): observed[name].number for name in observed if name.startswith(start)}

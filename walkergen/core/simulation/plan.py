@@ -54,17 +54,17 @@ class Plan(NamedTuple):
         return self._replace(case=self.case._replace(scene=scene))
 
     def coarser(self, factor: float) -> "Plan":
-        """Return the plan with steps `factor` times longer."""
+        """Return the plan with time steps that are `factor` times longer."""
         return self._replace(world=coarser(self.world, factor))
 
     def sample_print(self, rng: np.random.Generator) -> "Plan":
-        """Return the plan of one run: with its own printed feet and plate, drawn at random if the scene requires it."""
+        """Return the plan of one run: uneven feet, plate noise and roughness, if simulated, are drawn at random."""
         return self._replace(world=model.sample_world(self.case, self.resolved, self.world, rng))
 
     def initial_state(
         self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0
     ) -> State:
-        """Create a state at rest, lowest corner `clearance` mm over the plate. Angles and the drive's `phase`: rad."""
+        """Return the state of a walker at rest, its lowest corner `clearance` mm over the plate. Angles are in rad."""
         return model.initial_state(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
@@ -72,12 +72,12 @@ class Plan(NamedTuple):
         return int(steps.advance(self.world, state, seconds, tally))
 
     def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
-        """Return a function that advances `state` by some seconds, as `advance` does. It looks up machine code once."""
+        """Return a function of a time (s) that does what `advance` does, but looks up the machine code only once."""
         code = kernels.entry_point(steps.advance, self.world, state, 1.0, tally)
         return lambda seconds: int(code(self.world, state, seconds, tally))
 
     def energy(self, state: State) -> float:
-        """Return the mechanical energy of a state, g mm^2/s^2."""
+        """Return the mechanical energy of a walker in a state, g mm^2/s^2."""
         return float(model.energy(self.world, state))
 
     def feet(self, state: State) -> Array:

@@ -96,7 +96,7 @@ def count_row(kind: int) -> int:
 
 @kernel
 def tally_impact(counts, kind, sticks):
-    """Count one impact: in all impacts, in those of its type (`impact.Kind`), and in those whose foot sticks."""
+    """Add an impact to `counts` in place: to all, to its type (`impact.Kind`), and to STICKING if its foot `sticks`."""
     counts[IMPACTS] += 1
     counts[count_row(kind)] += 1
     if sticks:
@@ -105,7 +105,7 @@ def tally_impact(counts, kind, sticks):
 
 @kernel
 def add_impulse(sums, kind, F_y):
-    """Add F_y, the normal impulse (g mm/s) of a foot's landing, to the sum for its type of impact (`impact.Kind`)."""
+    """Add F_y, the normal impulse (g mm/s) of a landing, to that of its type (`impact.Kind`) in `sums`, in place."""
     sums[IMPULSES + count_row(kind)] += F_y
 
 
@@ -125,7 +125,7 @@ def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
 
 
 @kernel
-def next_sample(samples):
+def next_sample_time(samples):
     """Return the time (s, since the record began) of the next sample; infinity without samples."""
     if samples.cursor[0] >= samples.rows.shape[0]:
         return np.inf

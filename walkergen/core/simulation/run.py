@@ -90,7 +90,7 @@ def compile_kernels(plan: Plan) -> float:
 def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
     """Return the plan of run `number`, with its own print and plate, and its initial state.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, with the scene's heading.
+    The walker drops from 0.5 to 1.5 amplitudes over the plate, at a random phase of the drive, pitch and roll.
     """
     run = plan.scene.run
     rng = np.random.default_rng([run.seed, number])
@@ -104,7 +104,7 @@ def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
 def sample_drop(
     plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
 ) -> tuple[Plan, Array]:
-    """Draw the plan and initial state of one walker, as `drop_for_run` does.
+    """Return the plan and initial state of one walker, drawn at random as for `drop_for_run`.
 
     `common_phase` (rad) of the drive replaces a random one, for walkers on one plate. `heading` is in rad.
     """

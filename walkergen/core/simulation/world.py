@@ -1,6 +1,6 @@
-"""World that kernels read by name: the drive, what acts, the walker; and how their motion may end.
+"""World that kernels read: drive, active effects and walker; and statuses of a simulation.
 
-The plate is at height A sin(phase), phase = omega t, with a second harmonic if called for. The phase is kept, in
+The plate is at height A sin(phase), phase = omega t, plus a second harmonic if the scene has one. The phase is kept, in
 0..2 pi, and not the absolute time: a run of 1e5 s still resolves 1e-9 s.
 """
 
@@ -53,7 +53,7 @@ class World(NamedTuple):
 
 @kernel
 def advance_phase(drive: Drive, phase: float, t: float) -> float:
-    """Return the phase (rad) after t seconds, in 0..2 pi."""
+    """Return the phase (rad, in 0..2 pi) of the drive, t seconds after `phase`."""
     return (phase + drive.omega * t) % TWO_PI
 
 

@@ -63,14 +63,14 @@ RARE_EFFECTS = (walls.NAME, walls.LID, noise.NAME, *sway.NAMES, motor.NAME, moto
 
 
 def applicable_rules(case: Case) -> tuple[Rule, ...]:
-    """Return the rules of the effects that a case may have: the common ones, and rare ones that its scene calls for."""
+    """Return the rules of effects that a case may have: common ones, and rare ones that its scene has or forces on."""
     scene, forced = case.scene, {*case.scene.effects.on}
     needed = [rules for is_met, rules in RARE_RULES if is_met(scene) or forced & {rule.switch for rule in rules}]
     return (*COMMON_RULES, *(rule for rules in needed for rule in rules))
 
 
 def all_rules() -> tuple[Rule, ...]:
-    """Return the rules of all effects, also of those that few scenes have."""
+    """Return the rules of all effects, common and rare."""
     return (*COMMON_RULES, *(rule for _, rules in RARE_RULES for rule in rules))
 
 

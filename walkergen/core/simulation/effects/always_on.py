@@ -1,4 +1,4 @@
-"""Effects that nothing switches; their numbers say how much they matter."""
+"""Effects that no key switches; their numbers show how much they matter."""
 
 import math
 

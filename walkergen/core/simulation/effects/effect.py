@@ -79,14 +79,14 @@ def describe_number(scene: Scene, key: str) -> str:
 
 
 def absence_reason(case: Case, switch: str, why: str) -> str:
-    """Return `why`, the reason why an effect is not part of a case. Raises InputError if the scene forces it on."""
+    """Return `why`, the reason why an effect is off. Raises InputError with it if the scene forces the effect on."""
     if case.scene.effects.forced_state(switch):
         raise InputError(f"{forced_effect_line(switch, True)}: {why}. Remove {switch} from effects.on.")
     return why
 
 
 def apply_switch(forced: bool | None, default: bool, reason: str) -> tuple[bool, str]:
-    """Return whether an effect is on, and why. `forced` overrules the default unless it is None."""
+    """Return whether an effect is on, and why: as `forced` (True or False), or by `default` if `forced` is None."""
     if forced is None:
         return default, reason
     return forced, f"forced {'on' if forced else 'off'}; otherwise: {reason}"

@@ -54,7 +54,7 @@ def axial_stiffness(limb: Limb, modulus: float) -> float:
 
 
 def restitution(damping_ratio: float) -> float:
-    """Return the restitution of a mass on a spring and damper that never pull, for any damping ratio >= 0."""
+    """Return the restitution of a mass that lands on a spring and damper, which never pull, for a ratio >= 0."""
     z = damping_ratio
     if z < 1.0:
         fast = math.sqrt(1.0 - z * z)

@@ -70,7 +70,7 @@ TWIST_RULE = Rule(decide_twist, TWIST_SWITCH, typical_values={f"effects.{TWIST_S
 
 
 def _describe_slowest(frequencies: Mapping[str, float]) -> str:
-    """Describe the slowest and the fastest leg from `frequencies` (Hz) by leg. Return "" if all are equal."""
+    """Return a text on the slowest and the fastest leg, from `frequencies` (Hz) by leg; "" if all are equal."""
     if len(frequencies) < 2:
         return ""
     slow, fast = (pick(frequencies, key=frequencies.__getitem__) for pick in (min, max))
@@ -94,5 +94,5 @@ def twist_stiffness(limb: Limb, material: Material) -> float:
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:
-    """Return the natural frequency (Hz) of a leg with `inertia` (g mm^2) about its anchor, on a held body."""
+    """Return the frequency (Hz) of an `inertia` (g mm^2) on a torsional `stiffness` (g mm^2/s^2 per rad)."""
     return math.sqrt(stiffness / inertia) / (2.0 * math.pi)

@@ -133,7 +133,7 @@ def parameters(case: Case, with_gyroscopic_torque: bool, can_turn: bool) -> Roto
 
 
 def _restrict_to_plane(rotor: Rotor) -> Rotor:
-    """Return the rotor without the components across the plane in which its walker is held."""
+    """Return the rotor of a walker that is held in its plane: without vectors' components across the plane."""
     (f_x, f_y, _), (s_x, s_y, _), (x, y, _) = rotor.first, rotor.second, rotor.position
     return rotor._replace(
         first=(f_x, f_y, 0.0), second=(s_x, s_y, 0.0), position=(x, y, 0.0), spin=(0.0, 0.0, rotor.spin[2])
@@ -156,7 +156,7 @@ def acts(rotor):
 
 
 @lean
-def swing(rotor, mass, phase, swung):
+def fill_swing(rotor, mass, phase, swung):
     """Fill the rows of `swung`, shape (3, 3), with s (mm), s' and s'' in body axes. `mass`: the walker's, g."""
     c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
     # Eq. 8.1: s = (S/M) e
@@ -169,7 +169,7 @@ def swing(rotor, mass, phase, swung):
 
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
-    """Return the moment about C of `mass` (x, y, z), a force or momentum at the rotor's place. `centre`: C -> O, mm."""
+    """Return the moment about C of the force or momentum `mass` times (x, y, z) at the rotor. `centre`: C -> O, mm."""
     p_x, p_y, p_z = (rotor.position[0] + centre[0], rotor.position[1] + centre[1], rotor.position[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
@@ -178,7 +178,7 @@ def moment_of(rotor, centre, mass, x, y, z):
 def spin(rotor, centre, mass, swung):
     """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
 
-    `centre`: C -> O, mm; `mass`: the walker's, g; `swung`: as filled by `swing`.
+    `centre`: C -> O, mm; `mass`: the walker's, g; `swung`: as filled by `fill_swing`.
     """
     # p x M s' + h n of eq. 8.2
     x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
@@ -193,8 +193,8 @@ def torque(rotor, centre, mass, swung):
 
 
 @lean
-def push(rotor, mass):
-    """Return the largest acceleration (mm/s^2) that the rotor gives to a walker of a mass (g); 0 without a motor."""
+def centrifugal_acceleration(rotor, mass):
+    """Return the centrifugal force of the rotor over the `mass` (g) of the walker, mm/s^2; 0 without a motor."""
     return rotor.moment * rotor.omega * rotor.omega / mass
 
 
@@ -224,4 +224,4 @@ def largest_acceleration(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, 
     """
     c = _push_acceleration(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
     s = _push_acceleration(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
-    return push(rotor, mass) * math.sqrt(c * c + s * s)
+    return centrifugal_acceleration(rotor, mass) * math.sqrt(c * c + s * s)

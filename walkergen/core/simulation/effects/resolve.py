@@ -1,4 +1,4 @@
-"""Effects that a scene requires, decided from dimensionless numbers, and keys that it gives without use."""
+"""Effects that are simulated in a scene, by their rules, and keys of the scene that no simulated effect reads."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -34,12 +34,12 @@ class Resolved(NamedTuple):
 
 
 def _effect_states(effects: Sequence[Effect]) -> dict[str, bool]:
-    """Return by name whether each effect is on. Effects outside the scene are off."""
+    """Return by name whether each effect is on. Rare effects that are not among `effects` are off."""
     return dict.fromkeys(RARE_EFFECTS, False) | {effect.name: effect.on for effect in effects}
 
 
 def resolve(case: Case) -> Resolved:
-    """Decide for every effect of a case whether it is simulated.
+    """Return the effects of a case: which are simulated, their parameters, and keys without use.
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
@@ -51,7 +51,7 @@ def resolve(case: Case) -> Resolved:
 
 
 def without_plate_effects(scene: Scene) -> Scene:
-    """Return the scene without the effects that a still plate does not have, such as walls, slope or noise."""
+    """Return the scene without the effects whose rules have `absent_values`: walls, lid, slope, noise and others."""
     for rule in all_rules():
         if rule.absent_values:
             scene = replace_without_validation(scene, {**rule.absent_values, f"effects.{rule.switch}": None})
@@ -99,7 +99,7 @@ def _check_headings(scene: Scene, can_turn: bool) -> None:
 
 
 def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
-    """Return a line on the scene's changed keys that a case does not use, given which effects are `on`, or "".
+    """Return a line on keys that a scene sets and its simulation does not use; "" if there are none. `on`: by effect.
 
     Keys of an effect that is switched off are not reported. Neither are keys of other jobs, and standard deviations.
     """

@@ -143,7 +143,7 @@ def _slopes(size: float, percent: Sequence[float]) -> tuple[float, float]:
 
 @lean
 def moves(sway):
-    """Return whether the plate moves horizontally, or its points move by different heights."""
+    """Return whether the plate sways: moves horizontally, or by different heights at different points."""
     return sway.moves
 
 

@@ -44,7 +44,7 @@ def gap(case: Case) -> float:
 
 
 def _check_headings(case: Case) -> None:
-    """Raise InputError for a heading at which a run would start inside the walls."""
+    """Raise InputError for an initial heading at which the body would cut into the walls."""
     size, headings, width = case.design.size, case.scene.run.heading_deg, gap(case)
     widest = [math.degrees(math.atan2(size.length, size.depth))]
     for heading in widest if headings == "uniform" else headings:

@@ -48,14 +48,14 @@ FOOT_ACCELERATION_FACTOR = 1.75
 
 _sways, _sway_motion, _sway_bounds = sways.moves, sways.motion, sways.bounds
 _noise_advance_time, _noise_bounds, _roughness_slope_bound = noises.advance_time, noises.bounds, rough.slope_bound
-_motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
+_motor_acts, _motor_centrifugal, _motor_swing = motors.acts, motors.centrifugal_acceleration, motors.fill_swing
 _motor_strongest = motors.largest_acceleration
 _motor_spin, _moment_of = motors.spin, motors.moment_of
 
 
 @lean
 def pass_time(world, state, t):
-    """Advance the drive's phase and the noise's time by t seconds."""
+    """Advance the drive's phase and the noise's time in `state` by t seconds."""
     state[PHASE] = advance_phase(world.drive, state[PHASE], t)
     state[NOISE] = _noise_advance_time(world.acting.noise, state[NOISE], t)
 
@@ -157,7 +157,7 @@ def clear_time(world, state, work, longest):
     plate_speed, surface_slope = plate_velocity(world, state), _roughness_slope_bound(world.acting.roughness)
     plate_fall = gravity_into(world.acting) + max_plate_acceleration(world)
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
-    push = _motor_push(motor, walker.mass)
+    push = _motor_centrifugal(motor, walker.mass)
     swaying, sway_amplitude, sway_speed = _sways(world.acting.sway), 0.0, 0.0
     if swaying:
         sway_amplitude, _ = _sway_bounds(world.acting.sway)
@@ -200,7 +200,7 @@ def clear_time(world, state, work, longest):
 
 @lean
 def _swing(walker, work, state, level):
-    """Swing the legs for Options.step 2^level seconds; keep the old ones in `work.before`. Return the damped energy."""
+    """Swing the legs for Options.step 2^level seconds. Return the damped energy. `work.before`: legs at the start."""
     n = len(walker.stiffness)
     before = legs_energy(walker, state)
     P = walker.flights[level + HALVINGS]
@@ -284,7 +284,7 @@ def _turn_free(world, state, work, t):
     """Turn the body, a free top, for t seconds while its legs have swung from `work.before`.
 
     With a motor the conserved angular momentum includes the rotor's, and its unbalanced mass turns the body to and fro.
-    `work.thrown`, the motion of that mass (`motor.swing`), becomes that at the end.
+    `work.thrown`, the motion of that mass (`motor.fill_swing`), becomes that at the end.
     """
     walker, motor = world.walker, _motor_acts(world.acting.motor)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0

@@ -16,7 +16,7 @@ from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.flight import lag_torque, pass_time
-from walkergen.core.simulation.space.pose import locate, plate_sway, surface_normal, turn, update_pose
+from walkergen.core.simulation.space.pose import fill_points, plate_sway, surface_normal, turn, update_pose
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 from walkergen.core.simulation.world import acceleration
 
@@ -144,14 +144,14 @@ def fill_midpoint_pose(world, state, work, t):
     turn(middle, 0.5 * t * w[3], 0.5 * t * w[4], 0.5 * t * w[5])
     pass_time(world, middle, 0.5 * t)
     update_pose(world, middle, work)
-    locate(world, middle, work)
+    fill_points(world, middle, work)
 
 
 @lean
 def _motor_point_acceleration(now, thrown):
     """Return the acceleration (mm/s^2, body axes) of the body's points from a motor.
 
-    `now` and `thrown` are fields of `Work`: turning rate now[3:6], and the rows that `motor.swing` fills.
+    `now` and `thrown` are fields of `Work`: turning rate now[3:6], and the rows that `motor.fill_swing` fills.
     """
     x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
     return (
@@ -293,7 +293,7 @@ def plate_acceleration(world, state):
 
 
 @lean
-def accelerate(world, state, work):
+def fill_accelerations(world, state, work):
     """Fill `work.acting`, the accelerations of C and W without contact: gravity, air drag, rotation, motor."""
     walker, R, now, acting = world.walker, work.R, work.now, work.acting
     g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)

@@ -18,7 +18,7 @@ from walkergen.core.simulation.effects.feet import UNEVENNESS, sample_heights
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.flight import legs_energy
 from walkergen.core.simulation.space.points import mirror_order
-from walkergen.core.simulation.space.pose import locate, plate_velocity, point_velocity, update_pose
+from walkergen.core.simulation.space.pose import fill_points, plate_velocity, point_velocity, update_pose
 from walkergen.core.simulation.space.state import (
     ACROSS,
     ALONG,
@@ -79,7 +79,7 @@ def initial_state(
     work = work_for(world.walker, state)
     update_pose(world, state, work)
     _set_motor_rates(world, state, work)
-    locate(world, state, work)
+    fill_points(world, state, work)
     gaps = work.points["gap"][world.walker.wall_distance == 0.0]
     state[C_Y] += clearance - float(gaps.min())
     update_pose(world, state, work)
@@ -111,7 +111,7 @@ def energy(world, state):
     copy = state.copy()
     work = work_for(walker, state)
     update_pose(world, copy, work)
-    locate(world, copy, work)
+    fill_points(world, copy, work)
     total = legs_energy(walker, state)
     for i in range(3):
         total += 0.5 * walker.mass * state[V_X + i] * state[V_X + i]
@@ -137,7 +137,7 @@ def feet(world: World, state: State) -> Array:
     work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
     f = walker.freedoms
     update_pose(world, copy, work)
-    locate(world, copy, work)
+    fill_points(world, copy, work)
     corners = int(np.count_nonzero(walker.wall_distance == 0.0))
     rows = np.zeros((corners, 4))
     for k in range(corners):

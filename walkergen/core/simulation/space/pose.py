@@ -40,7 +40,7 @@ SMALL_ANGLE_SQUARED = 0.01
 _noise_height, _noise_velocity = noises.height, noises.velocity
 _surface = rough.surface
 _sways, _sway_displacements = sways.moves, sways.displacements_and_slopes
-_motor_acts, _swing_of_motor = motors.acts, motors.swing
+_motor_acts, _swing_of_motor = motors.acts, motors.fill_swing
 
 
 @lean
@@ -81,7 +81,7 @@ def rotation_coefficients(square):
 
 @lean
 def turn(state, x, y, z):
-    """Turn the body in `state` by the rotation vector (x, y, z) in body axes, rad."""
+    """Turn the body in `state`, in place, by the rotation vector (x, y, z) in body axes, rad."""
     square = 0.25 * (x * x + y * y + z * z)
     s, c = rotation_coefficients(square)
     c, x, y, z = 1.0 - c * square, 0.5 * s * x, 0.5 * s * y, 0.5 * s * z
@@ -95,7 +95,7 @@ def turn(state, x, y, z):
 
 
 @lean
-def rotation(state, R):
+def fill_rotation(state, R):
     """Fill R, shape (3, 3), with the rotation matrix from body axes to the world."""
     q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
     R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (j * j + k * k), 2 * (i * j - q * k), 2 * (i * k + q * j)
@@ -111,7 +111,7 @@ def update_pose(world, state, work):
     """
     walker, R, now, motion = world.walker, work.R, work.now, work.motion
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
-    rotation(state, R)
+    fill_rotation(state, R)
     for row in range(3):
         # Eq. 7.2: w = W - Lambda q'
         spin = state[W_X + row]
@@ -143,7 +143,7 @@ def update_pose(world, state, work):
 
 
 @lean
-def locate(world, state, work):
+def fill_points(world, state, work):
     """Fill `work.points` at the pose in `work`: positions (`at`), derivatives by leg angles (`turned`) and gaps."""
     walker, R = world.walker, work.R
     n, f = len(walker.stiffness), walker.freedoms

@@ -70,7 +70,7 @@ def _stop_motion(world, state, sums):
 
 @lean
 def ride_on_plate(world, state, t, sums):
-    """Move a walker at rest with the plate for t seconds."""
+    """Stop a walker that is at rest, and move it with the plate for t seconds."""
     _stop_motion(world, state, sums)
     mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
     before = plate_height(world, state)

@@ -17,11 +17,11 @@ from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import motor as motors
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import gravity_into
-from walkergen.core.simulation.record import next_sample, take_sample
+from walkergen.core.simulation.record import next_sample_time, take_sample
 from walkergen.core.simulation.space.flight import MAX_TURN_RAD, clear_time, fly, max_plate_acceleration, pass_time
 from walkergen.core.simulation.space.forces import guess_modes, solve
 from walkergen.core.simulation.space.frame import (
-    accelerate,
+    fill_accelerations,
     fill_frame,
     fill_leg_mobility,
     fill_midpoint_pose,
@@ -30,7 +30,7 @@ from walkergen.core.simulation.space.frame import (
     sway_work,
 )
 from walkergen.core.simulation.space.landings import advance_contact, end_landing
-from walkergen.core.simulation.space.pose import locate, lowest_corner, plate_velocity, turn, update_pose
+from walkergen.core.simulation.space.pose import fill_points, lowest_corner, plate_velocity, turn, update_pose
 from walkergen.core.simulation.space.resting import DOZE_PERIODS, count_rest_time, ride_on_plate
 from walkergen.core.simulation.space.state import (
     ACROSS,
@@ -270,7 +270,7 @@ def _advance_frame(world, state, work, begin, h, count, tally):
     plate_speed = plate_velocity(world, state)
     fill_midpoint_pose(world, state, work, t)
     fill_leg_mobility(walker, work, h)
-    accelerate(world, work.midway, work)
+    fill_accelerations(world, work.midway, work)
     fill_frame(world, work, plate_speed, t, m)
     upward_acceleration = plate_acceleration(world, work.midway)
     _take_steps(walker, state, work, m, h, count, begin, plate_speed, upward_acceleration, tally)
@@ -315,7 +315,7 @@ def _has_folded_leg(walker, state):
 
 @lean
 def advance_in(world, state, work, duration, tally):
-    """Advance as `advance` does, in memory `work` from `work_for`. Return a status of `world`, such as OK."""
+    """Do what `advance` does, with `work` as its memory (from `work_for`). Return a status of `world`, such as OK."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
     can_rest = max_plate_acceleration(world) < gravity_into(world.acting)
@@ -329,7 +329,7 @@ def advance_in(world, state, work, duration, tally):
     while True:
         _turn_stretches(walker, state, update_pose(world, state, work))
         sums[record.ELAPSED] = begin + t
-        if begin + t >= next_sample(tally.samples) - instant:
+        if begin + t >= next_sample_time(tally.samples) - instant:
             take_sample(tally.samples, begin + t, state)
         if t >= duration:
             return OK
@@ -340,8 +340,8 @@ def advance_in(world, state, work, duration, tally):
         if _has_folded_leg(walker, state):
             return FOLDED
         sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
-        locate(world, state, work)
-        longest = min(duration - t, max(next_sample(tally.samples) - begin - t, instant))
+        fill_points(world, state, work)
+        longest = min(duration - t, max(next_sample_time(tally.samples) - begin - t, instant))
         clear = clear_time(world, state, work, longest)
         level = _flight_level(world, state, clear)
         if state[QUIET] > patience:
