@@ -23,7 +23,7 @@ MAX_ITERATIONS = 100
 def student_quantile(freedom: float, probability: float) -> float:
     """Return a quantile of Student's t with `freedom` degrees of freedom at a probability between 0 and 1.
 
-    Infinite where its square overflows, as for 97.5 % and 0.005 degrees of freedom.
+    Infinite where its square overflows, as for 97.5 % and 0.005 degrees of freedom. NaN unless freedom > 0.
     """
     if not freedom > 0.0:
         return math.nan

@@ -172,7 +172,7 @@ class Quantity(NamedTuple):
         return value - half, value + half
 
     def row(self, *levels: int, stem: str | None = None) -> dict[str, float | None]:
-        """Return value, error and bounds by the names of their columns.
+        """Return value, standard error and bounds by the names of their columns.
 
         Parameters
         ----------
@@ -232,7 +232,7 @@ class Quantity(NamedTuple):
         return low, high
 
     def compare_with_range(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
-        """Compare the bounds with a range: they agree inside, and disagree outside.
+        """Compare the bounds of the quantity with a range.
 
         Parameters
         ----------
@@ -244,7 +244,8 @@ class Quantity(NamedTuple):
         Returns
         -------
         Verdict
-            AGREE, DISAGREE, UNDECIDED (also without an error) or MISSING (without a value).
+            AGREE if both bounds are inside, DISAGREE if the range and the bounds do not overlap, MISSING without a
+            value, otherwise UNDECIDED.
         """
         if self.value is None:
             return Verdict.MISSING
@@ -284,7 +285,7 @@ class Quantity(NamedTuple):
 
 
 def column_values(row: Any, *levels: int) -> dict[str, Any]:
-    """Return a named tuple's fields by name. Quantities give their columns, with bounds of `levels` percent."""
+    """Return the fields of a named tuple by name; a quantity as columns (`Quantity.row`) with bounds of `levels` %."""
     found: dict[str, Any] = {}
     for name, value in row._asdict().items():
         found |= value.row(*levels) if isinstance(value, Quantity) else {name: value}

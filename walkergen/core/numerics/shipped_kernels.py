@@ -37,7 +37,7 @@ class Kind(NamedTuple):
 
 
 def machine_kind(sources: str) -> Kind:
-    """Return what compiled kernels of these `sources` (a digest) depend on: this program and machine."""
+    """Return the `Kind` of kernels that this program and machine compile from `sources` (a digest)."""
     from importlib.metadata import version
 
     return Kind(
@@ -79,7 +79,7 @@ def mismatch_reason(manifest: dict[str, Any], own: Kind, folder: Path = KERNEL_F
 
 
 def _is_trusted_folder(folder: Path) -> bool:
-    """Return whether only the user, or the installer of the package, can write to a folder."""
+    """Return whether only the user and root, who may have installed it, can write to a folder and its files."""
     if not hasattr(os, "getuid"):
         return True  # Windows: a profile's folders are its user's
     for path in (folder, *folder.rglob("*")):
@@ -110,14 +110,14 @@ def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
 
 
 def install_in_cache(sums: dict[str, str]) -> None:
-    """Make numba's cache, which is imported, look first among the shipped files. `sums`: their checksums by file."""
+    """Make numba's cache look first among the shipped files. Imports numba. `sums`: their checksums by file."""
     from numba.core import caching
 
     caching.IndexDataCacheFile = add_shipped_files(caching.IndexDataCacheFile, sums)
 
 
 def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
-    """Return a subclass of `base`, numba's cache files, that first reads shipped ones (`sums`: checksums by path)."""
+    """Return a subclass of `base`, numba's class of cache files, that reads shipped ones first (`sums`: by path)."""
     subfolders = {  # of shipped kernels, by numba's names of their sources' folders
         cache_subpath(PACKAGE_FOLDER / subfolder): subfolder for subfolder in {str(Path(name).parent) for name in sums}
     }
