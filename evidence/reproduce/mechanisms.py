@@ -12,7 +12,7 @@ from evidence.reproduce.theory import theory_speeds
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.theory import uncertain_inputs
 from walkergen.core.theory.prediction import DRAW_COUNT, SEED, impact_speed
-from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.stationary import stationary_speed
 from walkergen.core.theory.uncertain_inputs import PREDICTION_READER
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -70,7 +70,7 @@ def _compare_mechanism(what: str, design: Design, point: Point) -> Mechanism:
     assumption = point.assumption
     mass, inputs = solids.mass_of(design), uncertain_inputs.inputs(assumption.scene, design, PREDICTION_READER)
     contact, values = assumption.scene.contact, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED)
-    foot_speeds = stationary(design, mass, contact.restitution, contact.friction)
+    foot_speeds = stationary_speed(design, mass, contact.restitution, contact.friction)
     drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain_inputs.label_columns(inputs, values))
     used = "mean of both feet" if design.is_symmetric_pair else "balance of both feet"
     speed = float(foot_speeds.factor) * impact_speed(assumption.scene, mass)

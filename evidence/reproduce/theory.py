@@ -12,7 +12,7 @@ from walkergen.core.theory import dimensionless, prediction, uncertain_inputs
 from walkergen.core.theory.impact import Kind, resolve
 from walkergen.core.theory.prediction import SEED
 from walkergen.core.theory.speed import Mode, factor
-from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.stationary import stationary_speed
 from walkergen.core.theory.tensors import foot_tensors
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -70,7 +70,7 @@ def compute_curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        stationary_speeds = stationary(variant, mass, contact.restitution, contact.friction, mode)
+        stationary_speeds = stationary_speed(variant, mass, contact.restitution, contact.friction, mode)
         speed.append(float(stationary_speeds.factor) * prediction.impact_speed(scene, mass))
         sd.append(float(theory_speeds(variant, mass, scene, mode, drawn).std()))
         sticks.append(not all(stationary_speeds.reverses))
@@ -83,7 +83,7 @@ def theory_speeds(
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
     masses = scale_masses(mass, drawn.input_values("body mass", 1.0), dimensionless.leg_mass_ratios(design, drawn))
-    by_foot = stationary(
+    by_foot = stationary_speed(
         design,
         masses,
         drawn.input_values("contact.restitution", contact.restitution),

@@ -56,7 +56,7 @@ def sample_speeds() -> tuple[Array, Array]:
         unevenness = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
         prints = drawn._replace(columns={**drawn.columns, PRINT_INPUT.name: unevenness})
         known = SurrogateCase(design, scene, dimensionless.compute_numbers(scene, design, solids.mass_of(design)))
-        rows.append(prediction.sample_speeds(known, prints))
+        rows.append(prediction.speeds_with_errors(known, prints))
     return drawn.columns["feet.tip_radius_um"], np.array(rows).T
 
 

@@ -264,7 +264,7 @@ def _train_errors(
     kind: Kind, inputs: Array, factors: Array, off: Array, se: Array, pool: worker_pool.WorkerPool
 ) -> dict[str, Array]:
     """Train the networks of the error on `off`, each row's error by networks without it; return their arrays."""
-    every_level = networks.error_level(factors)
+    every_level = networks.error_factor(factors)
     tilted = np.flatnonzero(every_level > MIN_LEVEL)
     level, ones = every_level[tilted], np.ones((len(tilted), 1))
     epochs = round(ERROR_EPOCHS_SHARE * EPOCHS[kind])

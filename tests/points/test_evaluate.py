@@ -11,7 +11,7 @@ from walkergen.core.printing import checks
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.theory import networks, prediction
-from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.stationary import stationary_speed
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -55,7 +55,7 @@ def test_unlike_legs_have_their_common_speed_and_the_mass_of_the_first_free_one(
     point = point_at(design=UNEQUAL, keep=("masses",))
     found, mass = evaluate(point), solids.mass_of(UNEQUAL)
     contact = LANE.contact
-    each = stationary(UNEQUAL, mass, contact.restitution, contact.friction, "coulomb")
+    each = stationary_speed(UNEQUAL, mass, contact.restitution, contact.friction, "coulomb")
     assert found["theory_mm_s"] == pytest.approx(float(each.factor) * prediction.impact_speed(LANE, mass))
     assert (found["model"], found["speed_mm_s"]) == ("theory", None)  # the surrogate has no such walker
     assert "not simulated yet" in found["status"]

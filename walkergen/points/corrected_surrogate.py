@@ -128,11 +128,11 @@ def _print_spread(known: SurrogateCase, nominal: Speeds, by_step: float) -> Reco
     `nominal`: corrected speed as designed. `by_step`: error by the time step (95 %), mm/s.
     """
     drawn, predicted = prediction.sample_prediction_inputs(known.scene, known.design), known.predicted
-    speeds = known.sample_speeds(drawn)
+    speeds = known.speeds_at_draws(drawn)
     factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]
     error = np.hypot(nominal.error, factor * (speeds.each - predicted.each).std(axis=0, ddof=1))
     shift = nominal.centre - predicted.centre
-    prints = prediction.print_speeds(known, speeds._replace(error=error), drawn, shift)
+    prints = prediction.speeds_of_prints(known, speeds._replace(error=error), drawn, shift)
     middle = float(np.median(prints))
     first2, first1, last1, last2 = np.quantile(prints, QUANTILES).tolist()
     low2, low1, high1, high2 = print_ensemble.add_step_error((first2, first1, last1, last2), middle, by_step)

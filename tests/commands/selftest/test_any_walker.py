@@ -14,7 +14,7 @@ from walkergen.core.simulation.space.model import initial_state
 from walkergen.core.simulation.space.points import MAX_HULL_POINTS
 from walkergen.core.simulation.space.state import C_Z
 from walkergen.core.theory import uncertain_inputs
-from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.stationary import stationary_speed
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab import drops
@@ -125,10 +125,10 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
     assert changed.limbs[0].restitution == 1.0  # 0.9 x 1.2, capped
     assert changed.limbs[1].friction is None
     mass = solids.mass_of(design)
-    by_draw = stationary(design, mass, np.array([0.5, 0.6]), np.array([nominal, 1.5 * nominal]), nominal=(0.5, nominal))
-    by_design = stationary(changed, mass, 0.6, 1.5 * nominal)
+    by_draw = stationary_speed(design, mass, np.array([0.5, 0.6]), nominal * np.array([1, 1.5]), nominal=(0.5, nominal))
+    by_design = stationary_speed(changed, mass, 0.6, 1.5 * nominal)
     assert by_draw.factor[1] == pytest.approx(float(by_design.factor), rel=1e-12)
-    kept = stationary(design, mass, 0.5, nominal)
+    kept = stationary_speed(design, mass, 0.5, nominal)
     assert by_draw.factor[0] == pytest.approx(float(kept.factor), rel=1e-12)
 
 

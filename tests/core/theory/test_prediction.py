@@ -8,7 +8,7 @@ import pytest
 from evidence.reproduce.theory import theory_speeds
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction, surrogate, uncertain_inputs
-from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.stationary import stationary_speed
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import speed_prediction
@@ -207,7 +207,7 @@ def test_the_peak_of_the_theory_lies_below_ten_degrees():
     for e, mu in ((0.8, 0.25), (0.9, 0.1), (0.5, 0.2)):
         tilts = np.arange(0.5, 45.1, 0.5)
         walkers = [Design().variant(tilt_deg=float(tilt)) for tilt in tilts]
-        found = [stationary(one, solids.mass_of(one), e, mu).factor for one in walkers]
+        found = [stationary_speed(one, solids.mass_of(one), e, mu).factor for one in walkers]
         assert 0 < tilts[np.argmax(found)] < 10
 
 

@@ -36,7 +36,7 @@ def speed(tilt, columns):
     drawn = Drawn({name: np.array([value]) for name, value in columns.items()}, 1)
     mass = solids.mass_of(design)
     known = surrogate.SurrogateCase(design, LANE, dimensionless.compute_numbers(LANE, design, mass))
-    return float(prediction.sample_speeds(known, drawn)[0])
+    return float(prediction.speeds_with_errors(known, drawn)[0])
 
 
 def hidden(rng):

@@ -128,7 +128,7 @@ def _format_levers(numbers: Array) -> str:
 
 @kernel
 def _bisect_speeds(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """Bisect each draw's net force between the speeds `low` and `high`, shape (draws,). `feet`: (draws, feet, 7).
+    """Find each draw's speed without net force, between `low` and `high` (draws,). `feet`: (draws, feet, 7).
 
     Bisection ends at a rounding error of the larger limit. Returns speeds (draws,), loads and normal impulses (draws,
     feet), all for w = 1. The speed is NaN where feet of different height cannot balance. Mirror images give mirrored
@@ -190,7 +190,7 @@ def _fill_levers(feet: Array, ratios: Array, levers: Array) -> None:
 
 @kernel
 def _fill_loads(levers: Array, loads: Array) -> None:
-    """Fill the loads that are nearest to equal ones, sum to 1, balance the levers and never pull.
+    """Fill `loads`, shape (feet,): those nearest to equal ones that sum to 1, balance the `levers` and never pull.
 
     Least squares over the n feet that stay: N_i = (S_2 - S_1 x_i) / (n S_2 - S_1^2), with S_1 and
     S_2 the sums of x and x^2. Feet that would pull are let go. Those lie far out on one side, so

@@ -166,7 +166,7 @@ def compute_numbers(scene: Scene, design: Design, mass: MassProperties) -> Dimen
 
 
 def _log_tip_ratio(scene: Scene, design: Design, mass: float) -> float:
-    """Return the logarithm of a walker's (g) frequency on one tip over the drive's, as in `DimensionlessNumbers`."""
+    """Return `DimensionlessNumbers.log_tip_ratio` of a walker of `mass` g."""
     modulus, radius, drive = contact_modulus(scene, design.material), 1e-3 * scene.feet.tip_radius_um, scene.drive
     stiffness = (modulus**4 * radius**2 * mass * drive.peak_speed**2) ** 0.2
     return 0.5 * math.log(stiffness / mass) - math.log(drive.omega)
@@ -180,13 +180,13 @@ def _inertias(mass: MassProperties) -> tuple[float, float, float]:
 
 
 def leg_thickness_ratios(design: Design, drawn: Drawn) -> Array:
-    """Return the ratios of a leg's drawn thickness to its nominal one."""
+    """Return the ratios of a leg's drawn thicknesses to its nominal one, shape (draws,)."""
     nominal = design.limbs[0].thickness
     return drawn.input_values("legs.thickness_mm", nominal) / nominal
 
 
 def leg_mass_ratios(design: Design, drawn: Drawn) -> Array:
-    """Return ratios of a leg's drawn mass to its nominal one; they follow its thickness unless it was weighed."""
+    """Return ratios of a leg's drawn masses to its nominal one, proportional to its thickness unless it was weighed."""
     weighed = design.weighed.leg_mass_g is not None
     return drawn.input_values("leg mass", 1.0) * (1.0 if weighed else leg_thickness_ratios(design, drawn))
 
@@ -197,7 +197,7 @@ def to_matrix(place: DimensionlessNumbers) -> Array:
 
 
 def describe_number(name: str, low: float, high: float) -> tuple[str, str]:
-    """Return the field `name` in words, and its range as text, without logarithm or square root."""
+    """Return the field `name` in words, and the range `low` to `high` of its values as text, without log or root."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
         low, high = low**2, high**2

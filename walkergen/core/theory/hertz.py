@@ -25,7 +25,7 @@ def tip_stiffness(scene: Scene, material: Material) -> float:
 
 
 def landing_depth(tip: float, mass: float, speed: float, load: float) -> float:
-    """Compute the depth (mm) of a single tip under a landing mass or a load at rest, whichever is larger.
+    """Compute how deep (mm) a tip is pressed by a landing mass or by a load at rest, whichever presses deeper.
 
     `tip` is its Hertz stiffness K. The mass (g) lands at a speed (mm/s), and the load is in g mm/s^2.
     """

@@ -172,7 +172,7 @@ def _compute_impact(
 def resolve(
     H: tuple[float, float, float], velocity: tuple[float, float], restitution: float, friction: float
 ) -> Impact:
-    """Resolve one impact after checking H = (H_xx, H_xy, H_yy) in 1/g and the velocity in mm/s.
+    """Compute one impact as `impact` does, after checks. H = (H_xx, H_xy, H_yy) in 1/g, velocity in mm/s.
 
     Raises TheoryError when H is not positive definite or a number lies outside its range.
     """

@@ -1,5 +1,6 @@
-"""Networks of the surrogate: speeds at places, their error and the chance of a fall, from the shipped file.
+"""Networks of the surrogate: speeds of walkers, their error and the chance of a fall, from the shipped file.
 
+A place is a row of a walker's `DimensionlessNumbers`, and the networks' scale is asinh of a speed over the plate's.
 Ten networks of the speed were each trained without another two tenths of the rows (evidence/tables). Their error has
 two parts: their standard deviation, and what other networks learnt from rows that they were trained without.
 """
@@ -99,13 +100,13 @@ def hash_arrays(kept: Mapping[str, Any]) -> str:
 
 @cache
 def digest() -> str:
-    """Return the hash of the surrogate: bounds of two families with equal hashes compare."""
+    """Return the hash of the surrogate's arrays. Bounds of two families are comparable if their hashes are equal."""
     return hash_arrays(load_arrays())
 
 
 @cache
 def training_facts() -> dict[str, Any]:
-    """Read the surrogate's facts: ranges of its numbers, and errors at rows outside its training set."""
+    """Read facts on the surrogate's training: ranges of its numbers, and errors at rows outside the training set."""
     stored: dict[str, Any] = json.loads(str(load_arrays()["facts"]))
     return stored
 
@@ -119,7 +120,7 @@ def select_layers(arrays: Mapping[str, Any], name: str) -> tuple[Layer, ...]:
 
 
 def evaluate(layers: Sequence[Layer], inputs: Array) -> Array:
-    """Compute outputs, shape (networks, n, outputs), at inputs of shape (n, d), in single precision."""
+    """Compute the networks' outputs, shape (networks, n, outputs), at inputs of shape (n, d), in single precision."""
     starts = range(0, len(inputs), BLOCK_SIZE)
     return np.concatenate([_forward_pass(layers, inputs[k : k + BLOCK_SIZE]) for k in starts], axis=-2)
 
@@ -134,11 +135,11 @@ def _forward_pass(layers: Sequence[Layer], inputs: Array) -> Array:
 
 
 def network_inputs(places: Array) -> tuple[Array, Array]:
-    """Compute inputs of the networks, shape (n, d), and the odd factors of their outputs, shape (n, 2).
+    """Compute the networks' inputs at places, shape (n, d), and the factors of their two outputs, shape (n, 2).
 
     Speeds change most where the tilt passes the angle of friction, where feet stick. Tilt and slope change sign when
-    walker and plate are mirrored, so they enter the inputs by products that do not. A walker without tilt on a level
-    plate then has no speed, and the mirror image the opposite one.
+    walker and plate are mirrored. Inputs contain only products of both, and the factors are odd in them. So a walker
+    without tilt on a level plate has no speed, and a mirror image the opposite one.
     """
     of = DimensionlessNumbers(*places.T)
     tilt = of.root_tilt**2
@@ -164,7 +165,7 @@ def network_inputs(places: Array) -> tuple[Array, Array]:
 
 
 def features(inputs: Array) -> Array:
-    """Return the features of a smooth function: one, the inputs and their squares; shape (n, 1 + 2 d)."""
+    """Return the features for `evaluate_smooth`: one, the inputs and their squares; shape (n, 1 + 2 d)."""
     near = np.clip(inputs, -MAX_FEATURE_SD, MAX_FEATURE_SD)
     return np.column_stack([np.ones(len(inputs)), near, near**2])
 
@@ -174,19 +175,19 @@ def evaluate_smooth(terms: Array, weights: Array) -> Array:
     return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENT_RANGE)))
 
 
-def error_level(odd: Array) -> Array:
-    """Return the share of an error that remains, shape (n,): by symmetry none without tilt on a level plate."""
+def error_factor(odd: Array) -> Array:
+    """Return a factor of errors, 0 to 1, shape (n,): 0 by symmetry without tilt on a level plate. `odd`: factors."""
     return np.asarray(np.minimum(np.abs(odd).sum(axis=1), 1.0))
 
 
 def error_parts(values: Array, log_error: Sequence[Layer], inputs: Array, odd: Array) -> Array:
-    """Return two errors (2, n) of speeds (networks, n): their standard deviation, and that of networks `log_error`."""
+    """Return two errors (2, n) of `values` (networks, n): their scatter, and what the networks `log_error` predict."""
     learnt = np.exp(evaluate(log_error, inputs)[..., 0].mean(axis=0))
-    return np.stack([values.std(axis=0, ddof=1), learnt * error_level(odd)])
+    return np.stack([values.std(axis=0, ddof=1), learnt * error_factor(odd)])
 
 
 def speeds_at(kind: Kind, places: Array) -> Speeds:
-    """Return the speeds at places, shape (n, numbers), of walkers with legs of a kind."""
+    """Return the speeds of n walkers with legs of a kind, at their `places`, shape (n, numbers)."""
     kept = load_arrays()
     plain, odd = network_inputs(places)
     inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]

@@ -19,7 +19,7 @@ from walkergen.core.scene import Scene
 from walkergen.core.theory import surrogate, uncertain_inputs
 from walkergen.core.theory.networks import Speeds
 from walkergen.core.theory.speed import Mode
-from walkergen.core.theory.stationary import Stationary, standing_reason, stationary
+from walkergen.core.theory.stationary import Stationary, standing_reason, stationary_speed
 from walkergen.core.theory.surrogate import NORMAL_95, FallsError, SurrogateCase, UnknownError
 from walkergen.core.theory.uncertain_inputs import PREDICTION_READER, QUANTILES, Drawn, Input, Share
 from walkergen.core.walker import solids
@@ -132,7 +132,7 @@ REPORTED_DIFFERENCE = 0.1
 
 
 def is_standing(row: Prediction) -> bool:
-    """Return whether a walker rests: by statics, or within the error of its speed."""
+    """Return whether a walker rests: by statics, or slower than STANDING_MM_S with zero within its speed's bounds."""
     ends = row.nominal.interval()
     if ends is None:
         return False
@@ -153,7 +153,7 @@ def describe_briefly(row: Prediction) -> str:
 
 
 def describe_speed(row: Prediction) -> str:
-    """Describe a walker's predicted speed for the person who prints it."""
+    """Describe a walker's predicted speed in a line: that of a print with its bounds, and that as designed."""
     speed, nominal = row.speed.value, row.nominal.value
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
@@ -172,7 +172,7 @@ def describe_speed(row: Prediction) -> str:
 
 
 def _format_nominal(row: Prediction) -> str:
-    """Format the speed as designed with its 95 % bounds."""
+    """Format the speed as designed with half the width of its 95 % bounds."""
     return f"{formatting.format_with_error(row.nominal.number, row.nominal.half_width())} mm/s"
 
 
@@ -181,21 +181,21 @@ def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
     return (*uncertain_inputs.inputs(scene, design, PREDICTION_READER), PRINT_INPUT, SURROGATE_INPUT, MODEL_INPUT)
 
 
-def sample_speeds(known: SurrogateCase, drawn: Drawn) -> Array:
-    """Return predicted speeds, mm/s, shape (n,), at draws of `prediction_inputs`. `known`: the walker's surrogate."""
-    speeds = print_speeds(known, known.sample_speeds(drawn), drawn)
-    return np.asarray(speeds + known.sign * model_error_sd(speeds, known.scene) * drawn.columns[MODEL_INPUT.name])
+def speeds_with_errors(case: SurrogateCase, drawn: Drawn) -> Array:
+    """Return the walker's speeds (mm/s) at n draws of `prediction_inputs`, all errors included, shape (n,)."""
+    speeds = speeds_of_prints(case, case.speeds_at_draws(drawn), drawn)
+    return np.asarray(speeds + case.sign * model_error_sd(speeds, case.scene) * drawn.columns[MODEL_INPUT.name])
 
 
-def print_speeds(known: SurrogateCase, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
+def speeds_of_prints(case: SurrogateCase, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
     """Return the speeds of n printed walkers at `drawn` inputs, without the model's error, mm/s, shape (n,).
 
-    `known` is the walker's surrogate, and `speeds` are those of its networks at the drawn inputs. `shift` is added to
-    them on the networks' scale. A mirror image has mirrored errors.
+    `speeds` are those of the surrogate's networks at the drawn inputs. `shift` is added to them on the networks'
+    scale. A mirror image has mirrored errors.
     """
     columns = drawn.columns
     deviation = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
-    return known.peak_speed * speeds.speed_ratios(shift + known.sign * deviation)
+    return case.peak_speed * speeds.speed_ratios(shift + case.sign * deviation)
 
 
 def model_error_sd(speed: Array | float, scene: Scene) -> Array:
@@ -204,13 +204,13 @@ def model_error_sd(speed: Array | float, scene: Scene) -> Array:
 
 
 def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
-    """Compute a speed by statics, or the surrogate at `drawn` inputs. Raises UnknownError if neither applies."""
+    """Compute a speed: 0 by statics, or else by the surrogate at `drawn` inputs. Raises UnknownError outside both."""
     if reason := standing_reason(scene, design, mass):
         rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
         return PredictedSpeed(rest, rest._replace(key="speed"), "statics", reason)
     case = surrogate.case_in_domain(scene, design, mass)
     speed, se = case.nominal
-    draws = sample_speeds(case, drawn or sample_prediction_inputs(scene, design))
+    draws = speeds_with_errors(case, drawn or sample_prediction_inputs(scene, design))
     low2, low1, high1, high2 = np.quantile(draws, QUANTILES).tolist()
     nominal = make_speed("nominal", speed, se, (speed - NORMAL_95 * se, speed - se, speed + se, speed + NORMAL_95 * se))
     prints = make_speed("speed", float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2))
@@ -227,9 +227,9 @@ def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple
 
     Raises UnknownError for a walker outside the surrogate's domain.
     """
-    inputs, known = prediction_inputs(scene, design), surrogate.case_in_domain(scene, design, mass)
+    inputs, case = prediction_inputs(scene, design), surrogate.case_in_domain(scene, design, mass)
     return uncertain_inputs.variance_shares(
-        inputs, lambda values: sample_speeds(known, uncertain_inputs.label_columns(inputs, values)), SEED
+        inputs, lambda values: speeds_with_errors(case, uncertain_inputs.label_columns(inputs, values)), SEED
     )
 
 
@@ -298,7 +298,7 @@ def make_row(
 ) -> Prediction:
     """Return a walker's prediction from its speed (or None), a remark on it, and the share of runs that fall over."""
     contact = scene.contact
-    by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
+    by_foot = stationary_speed(design, mass, contact.restitution, contact.friction, mode)
     free_leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
     missing = Quantity("nominal", "mm_s", None)
     nominal, prints = (missing, missing._replace(key="speed")) if speed is None else (speed.nominal, speed.speed)
@@ -325,13 +325,14 @@ def make_row(
 
 
 def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode, by_foot: Stationary) -> str:
-    """Return the reason why the theory's speed is not that of eq. 15; "" within `REPORTED_DIFFERENCE`."""
+    """Return a remark on zero friction, or the other mode's speed if beyond `REPORTED_DIFFERENCE`; otherwise ""."""
     contact = scene.contact
     if contact.friction == 0.0:
         return "friction 0: every speed is stationary; this is the limit friction -> 0"
     if all(by_foot.reverses):
         return ""
-    other = stationary(design, mass, contact.restitution, contact.friction, "coulomb" if mode == "paper" else "paper")
+    other_mode: Mode = "coulomb" if mode == "paper" else "paper"
+    other = stationary_speed(design, mass, contact.restitution, contact.friction, other_mode)
     own_factor, other_factor = float(by_foot.factor), float(other.factor)
     if abs(own_factor - other_factor) <= REPORTED_DIFFERENCE * abs(own_factor):
         return ""
@@ -363,7 +364,7 @@ class Curve(NamedTuple):
 def predict_curve(
     design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float, count: int = CURVE_POINTS
 ) -> Curve:
-    """Predict the speeds of a design's kind of legs over a fine range of `count` tilts.
+    """Predict the speeds of a design with `count` evenly spaced tilts from `low_deg` to `high_deg`.
 
     The walkers have no engraved marks: marks number only the tilts of a family.
     """
@@ -373,7 +374,7 @@ def predict_curve(
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode)
+        by_foot = stationary_speed(variant, mass, contact.restitution, contact.friction, mode)
         try:
             nominal, speed, *_ = compute_speed(variant, mass, scene, drawn)
             speeds.append((nominal.number, speed.number, *(speed.ends or ())))
@@ -389,7 +390,7 @@ def curve_from_rows(walkers: Sequence[tuple[Design, MassProperties, Prediction]]
     """Return the curve through walkers of different tilts, from their own predictions, in the order of tilts."""
     speeds, sticks, contact = [], [], scene.contact
     for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):
-        by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
+        by_foot = stationary_speed(design, mass, contact.restitution, contact.friction, mode)
         has_speed = row.speed_by in ("statics", "surrogate")
         own_speeds = (row.nominal.number, row.speed.number, *(row.speed.ends or ())) if has_speed else (math.nan,) * 6
         speeds.append((row.tilt_deg, row.theory_mm_s, *own_speeds))

@@ -33,7 +33,7 @@ class Factors(NamedTuple):
 
 
 def factor(H: InverseMass, restitution: float | Array, friction: float | Array, mode: Mode = "coulomb") -> Array:
-    """Return the factor v_x0 / w of one foot, positive forward; shapes broadcast.
+    """Return the stationary speed v_x0 of one foot over its normal speed w, positive forward; shapes broadcast.
 
     `coulomb` lets the foot stick if friction can hold it. `paper` is eq. 15, which assumes that it slides back in any
     case. At friction 0 every speed is stationary; the result is the limit friction -> 0. Raises TheoryError for numbers
@@ -68,7 +68,7 @@ def _check_numbers(e: Array, mu: Array, mode: str) -> None:
 def factors(
     mass: MassProperties, restitution: float | Array, friction: float | Array, mode: Mode = "coulomb"
 ) -> Factors:
-    """Return the stationary factors of feet of one material from mass properties. Raises TheoryError."""
+    """Return the `factor` of each foot alone, for equal restitution and friction of all feet. Raises TheoryError."""
     tensors = foot_tensors(mass)
     return Factors(
         tuple(factor(H, restitution, friction, mode) for H in tensors),

@@ -39,7 +39,7 @@ class Stationary(NamedTuple):
     """Description of the balance; "" for the paper's mean."""
 
 
-def stationary(
+def stationary_speed(
     design: Design,
     mass: MassProperties,
     restitution: float | Array,
@@ -74,14 +74,14 @@ def stationary(
 
 
 def _average_equal_feet(feet: Factors) -> Stationary:
-    """Return the paper's mean of two equal feet."""
+    """Return the stationary speed of a walker with two equal feet: the mean of both, as in the paper."""
     return Stationary(feet.mean, feet.feet, feet.reverses, "")
 
 
 def _foot_value(
     own_value: float | None, scene_value: float | Array, nominal: float | None, upper_limit: float = math.inf
 ) -> float | Array:
-    """Return a foot's friction or restitution: the scene's, or its own scaled by scene_value / nominal, if given."""
+    """Return a foot's friction or restitution: `scene_value`, or if it has one, its own times scene_value / nominal."""
     if own_value is None:
         return scene_value
     return own_value if nominal is None else scale_proportionally(own_value, scene_value, nominal, upper_limit)

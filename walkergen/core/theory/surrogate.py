@@ -69,23 +69,23 @@ class SurrogateCase:
 
     @property
     def sign(self) -> float:
-        """Sign of the tilt: places contain only its magnitude."""
+        """Sign of the tilt. The dimensionless numbers contain only its magnitude."""
         return math.copysign(1.0, self.design.tilt_deg)
 
     @property
     def peak_speed(self) -> float:
-        """Peak speed of the plate, mm/s, over which the surrogate has speeds."""
+        """Peak speed of the plate, mm/s. The surrogate's speeds are ratios to it."""
         return self.scene.drive.peak_speed
 
     def speeds_at(self, place: DimensionlessNumbers) -> Speeds:
-        """Return the speeds at one or more places; beyond the sampled numbers, those at the ends of the range."""
+        """Return the speeds of walkers with these numbers. A number outside the sampled range counts as its end."""
         kind = self.design.kind
         speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(place), *_input_bounds(kind)))
         return speeds._replace(centre=self.sign * speeds.centre)
 
     @cached_property
     def predicted(self) -> Speeds:
-        """Speed of the walker as designed."""
+        """Speed of the walker as designed, on the networks' scale."""
         return self.speeds_at(self.numbers)
 
     @property
@@ -94,30 +94,30 @@ class SurrogateCase:
         return self.to_mm_s(self.predicted)
 
     def to_mm_s(self, speeds: Speeds) -> tuple[float, float]:
-        """Return the first of some speeds and its standard error, mm/s."""
+        """Convert the first of `speeds` and its standard error to mm/s."""
         slope = LINEAR_BELOW * math.cosh(speeds.centre[0])
         return self.peak_speed * float(speeds.speed_ratios(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
 
     def is_certain(self, speeds: Speeds) -> bool:
-        """Return whether the first of some speeds is certain enough to be an answer."""
+        """Return whether the error (95 %) of the first of `speeds` is at most `allowed_error`."""
         speed, se = self.to_mm_s(speeds)
         return bool(NORMAL_95 * se <= allowed_error(speed))
 
-    def sample_speeds(self, drawn: Drawn) -> Speeds:
-        """Return the speeds at drawn values of the inputs of a prediction."""
+    def speeds_at_draws(self, drawn: Drawn) -> Speeds:
+        """Return the walker's speeds at drawn values of the uncertain inputs."""
         return self.speeds_at(self.numbers.with_inputs(self.design, self.scene, drawn))
 
 
 def allowed_error(speed: Array | float) -> Array:
-    """Return the largest stated error (95 %) of answers of these speeds, mm/s, of the same shape."""
+    """Return the largest error (95 %) with which the surrogate states these speeds, mm/s, of the same shape."""
     return np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
 
 
 def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_certain: bool = True) -> SurrogateCase:
-    """Return a walker within the surrogate's domain.
+    """Return a walker within the surrogate's domain, as a case that computes its speeds.
 
-    Pass `only_certain=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
-    the reason, for a walker that has to be simulated, and FallsError for one that falls over.
+    Raises FallsError for a walker that almost surely falls over. Raises UnknownError, with the reason, for one that may
+    fall, is outside the domain, or has too large an error. `only_certain=False` accepts any error.
     """
     for reason in _domain_violations(scene, design):
         raise UnknownError(reason)
@@ -167,7 +167,7 @@ GOVERNING_KEY = {key: number for number, keys in DEPENDENT_KEYS.items() for key 
 
 
 def scene_violations(scene: Scene) -> list[str]:
-    """Return keys and values of a scene, in the user's spelling, outside the surrogate's training set.
+    """Return a text for each key of a scene with a value outside the surrogate's training set.
 
     Keys that depend on a number count only if it is not 0.
     """
@@ -186,13 +186,13 @@ def scene_violations(scene: Scene) -> list[str]:
 
 
 def _input_bounds(kind: Kind) -> Array:
-    """Return the lower and upper ends of the sampled numbers for a kind of legs, shape (2, numbers)."""
+    """Return the lower and upper ends of the sampled dimensionless numbers for a kind of legs, shape (2, numbers)."""
     ranges = networks.training_facts()["ranges"][kind]
     return np.array([ranges[name] for name in DimensionlessNumbers._fields]).T
 
 
 def _check_ranges(kind: Kind, place: DimensionlessNumbers) -> None:
-    """Raise UnknownError for a walker with a number that was not sampled."""
+    """Raise UnknownError for a walker with a number outside the sampled range."""
     for name, value, low, high in zip(DimensionlessNumbers._fields, place, *_input_bounds(kind), strict=True):
         margin = RANGE_MARGIN * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:

@@ -22,8 +22,8 @@ class InverseMass(NamedTuple):
     yy: Values
 
 
-def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
-    """Return the effective mass at a point of a free rigid body: the inverse of I/mass + P(lever)/inertia, in g.
+def _effective_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
+    """Return the effective-mass tensor at a point of a free rigid body: (I/mass + P(lever)/inertia)^-1, in g.
 
     Mass in g, inertia about the centre in g mm^2, shape (...); `lever`: centre -> point, mm, shape (..., 2).
     """
@@ -35,7 +35,7 @@ def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMas
 def rigid_tensor(M: Values, J: Values, d: Array) -> InverseMass:
     """Return the tensor at a foot of a rigid walker: I/M + P(d)/J, in 1/g (paper eq. 4).
 
-    M (g) and J (g mm^2) of the whole walker, shape (...); d = O -> foot (mm), shape (..., 2).
+    M (g) and J (g mm^2) of the whole walker, shape (...); d = centre of mass -> foot (mm), shape (..., 2).
     """
     x, y = d[..., 0], d[..., 1]
     return InverseMass(1.0 / M + y * y / J, -x * y / J, 1.0 / M + x * x / J)
@@ -53,8 +53,8 @@ def flexible_tensor(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: A
 
         H = perp(c) perp(c)^T / I_A  +  G^T (mass of body at A + mass of leg at A)^-1 G.
     """
-    body = _mobility_to_mass(M, J, a)
-    leg = _mobility_to_mass(m, j, c_A)
+    body = _effective_mass(M, J, a)
+    leg = _effective_mass(m, j, c_A)
     xx, xy, yy = body.xx + leg.xx, body.xy + leg.xy, body.yy + leg.yy
     det = xx * yy - xy * xy
     S_xx, S_xy, S_yy = yy / det, -xy / det, xx / det
@@ -76,9 +76,9 @@ def flexible_tensor(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: A
 
 
 def foot_tensors(mass: MassProperties) -> tuple[InverseMass, ...]:
-    """Return the tensors at the feet; the other legs' masses are neglected, as in the paper.
+    """Return the inverse-mass tensor at each foot, without the masses of the other legs, as in the paper.
 
-    The error of this is of the order of m/M (the tests compare it with the chain of hinged legs).
+    This changes them by a share of the order of m/M (tests compare them with the chain of hinged legs).
     """
     return tuple(
         rigid_tensor(mass.M, mass.J, leg.foot)

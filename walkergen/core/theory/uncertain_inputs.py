@@ -117,19 +117,19 @@ def _motor_inputs(drive: Drive) -> tuple[Input, ...]:
 
 
 class Drawn(NamedTuple):
-    """Values of inputs by their names."""
+    """Drawn values of uncertain inputs, by their names."""
 
     columns: Mapping[str, Array]
     """Values of each input, shape (number,)."""
     number: int
 
     def input_values(self, name: str, nominal: float) -> Array:
-        """Return the values of an input, shape (number,): the nominal one if it is not drawn."""
+        """Return the drawn values of an input, shape (number,), or `nominal` that often if it is not drawn."""
         return self.columns.get(name, np.full(self.number, nominal))
 
 
 def label_columns(quantities: Sequence[Input], values: Array) -> Drawn:
-    """Return the values of inputs, shape (count, inputs), by their names."""
+    """Return drawn `values`, shape (count, inputs), by the names of their inputs."""
     columns = {quantity.name: values[:, column] for column, quantity in enumerate(quantities)}
     return Drawn(columns, len(values))
 
@@ -162,8 +162,7 @@ def lattice_points(dimension: int, count: int, seed: int) -> Array:
     """Return points of a lattice with a random shift in the unit cube, shape (count, dimension), dimension <= 32.
 
     The first 2^m points are evenly spread. Errors of bounds over 512 of them are 0.4 to 0.8 of those with random
-    numbers. They are up to a third larger than with Sobol points (tested on a sum with a ridge), but the import of
-    Sobol points takes a third of a second.
+    numbers, and up to a third larger than with Sobol points, whose import takes a third of a second.
     """
     bits = max(math.ceil(math.log2(max(count, 1))), 1)
     indices, reversed_bits = np.arange(2**bits), np.zeros(2**bits, np.int64)
@@ -192,10 +191,10 @@ def input_quantiles(law: Input, shares: Array) -> Array:
 
 
 def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
-    """Return scene, design and masses with the inputs set to `values`, by name. Other inputs keep their means.
+    """Return changed copies of scene and design, and masses, with inputs set to `values`, by name.
 
-    Feet of another material change in proportion to the scene's contact. Raises GeometryError for legs that cannot be
-    built so thick.
+    Other inputs are unchanged. Feet of another material change in proportion to the scene's contact. Raises
+    GeometryError for legs that cannot be built so thick.
     """
     changes: dict[str, dict[str, Any]] = {}
     for name, value in values.items():

@@ -34,7 +34,7 @@ class SurrogateSpeed(NamedTuple):
         `x`: values of `inputs`, shape (k, inputs). The common error is that of the surrogate and of the model itself.
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
-        plate, speeds = self.setting.plate_speed, self.known.sample_speeds(drawn)
+        plate, speeds = self.setting.plate_speed, self.known.speeds_at_draws(drawn)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
         mean = plate * speeds.speed_ratios(0.0)
         print_scatter = drawn.input_values(SCATTER_NAME, 0.0) * np.hypot(mean, STILL_SPEED_RATIO * plate)
