@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 BUDGET_S, SINGLE_EFFECT_SHARE = 10.0, 0.8
 """Time of all runs, s, and the share of it for the effects one at a time."""
 
-MIN_RUNS, COST_RUNS = 4, 4
-"""Fewest runs of each scene, and the runs that measure CPU time alone."""
+MIN_RUNS, ACTIVE_RUNS = 4, 4
+"""Fewest runs of each scene within BUDGET_S, and the runs of each for the active effects alone."""
 
 ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
 """Accepted changes, as shares of the speed. The advice uses the smallest one that allows leaving an effect out."""
@@ -30,17 +30,16 @@ ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
 MAX_CPU_RATIO = 0.95
 """Largest ratio of CPU times, without an effect to with it, at which leaving it out is advised."""
 
-
 NO_ADVICE = "leave nothing out: every active effect changes the speed, or costs no time"
 
 
 class EffectChanges(NamedTuple):
-    """What variants of a scene change."""
+    """Changes of speed and CPU time by variants of a scene, in which effects are switched off or on."""
 
     speed: Quantity
     """Mean speed of the scene, mm/s."""
     changes: tuple[Change, ...]
-    """What each variant changes, the largest changes first."""
+    """Change by each variant."""
     pairs: int
     """Number of runs of each variant."""
     advice: str = ""
@@ -76,13 +75,14 @@ def format_change(number: Quantity) -> str:
     )
 
 
-def measure_costs(walker: Walker, progress: Progress) -> EffectChanges:
-    """Measure with a few runs how the scene changes without each active effect."""
-    return _measure_variants(walker, tuple(variants.effect_variants(walker, also_on=False)), Runs(COST_RUNS), progress)
+def measure_active_effects(walker: Walker, progress: Progress) -> EffectChanges:
+    """Measure how speed and CPU time change when each active effect is switched off in turn, with ACTIVE_RUNS runs."""
+    active = tuple(variants.effect_variants(walker, also_on=False))
+    return _measure_variants(walker, active, Runs(ACTIVE_RUNS), progress)
 
 
-def measure(walker: Walker, progress: Progress) -> EffectChanges:
-    """Measure the change from each effect, off or on at its usual size, and the joint change from the two largest."""
+def measure_all_effects(walker: Walker, progress: Progress) -> EffectChanges:
+    """Measure the changes by switching each effect off, or on at its usual size, and by the two largest together."""
     budget_progress = _budget_progress(progress)
     candidates = tuple(variants.effect_variants(walker, also_on=True))
     alone = _measure_variants(walker, candidates, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), budget_progress)

@@ -74,9 +74,9 @@ def explain(
     effects = [effect for _, effect in variants.rule_effects(plan)]
     found: EffectChanges | None = None
     if measure:
-        found = measuring.measure(walker, progress)
+        found = measuring.measure_all_effects(walker, progress)
     elif cost:
-        found = measuring.measure_costs(walker, progress)
+        found = measuring.measure_active_effects(walker, progress)
     simple = (
         effect_selection.find_simplest(walker, progress)
         if cost or measure
