@@ -92,7 +92,7 @@ def build_walker(setting: Setting, seed: int) -> Walker:
     run = scene.run.model_copy(update=timing)
     asked = scene.model_copy(update={"contact": contact, "run": run})
     made = Walker(asked, design, solids.mass_of(design))
-    return made.with_run(step_us=1e6 * setting.share * made.plan().world.options.step)
+    return made.with_run_settings(step_us=1e6 * setting.share * made.plan().world.options.step)
 
 
 def measure_row(setting: Setting, seed: int) -> Row:

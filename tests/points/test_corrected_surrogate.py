@@ -68,8 +68,8 @@ def test_walkers_without_a_statistical_error_are_left_to_runs_of_their_prints(ta
     walker = Walker(scene, design, solids.mass_of(design))
     known = surrogate.case_in_domain(*walker[:3], only_certain=False)
     monkeypatch.setattr(corrected_surrogate, "MAX_SURROGATE_ERROR", max_error)
-    assert corrected_surrogate.simulate(walker, known, silent) is None
-    assert corrected_surrogate.simulate(walker, None, silent) is None
+    assert corrected_surrogate.correct_by_runs(walker, known, silent) is None
+    assert corrected_surrogate.correct_by_runs(walker, None, silent) is None
 
 
 def test_a_few_runs_correct_the_surrogate_alike_on_any_number_of_threads(tmp_path, monkeypatch):
@@ -79,11 +79,11 @@ def test_a_few_runs_correct_the_surrogate_alike_on_any_number_of_threads(tmp_pat
     shaken = {"drive": harmonic, "contact": {"friction": 0.5, "restitution": 0.4}}
     for tables, direct in (({}, 34.5), (shaken, 32.9)):
         walker, known = uncertain_case(**tables)
-        record = corrected_surrogate.simulate(walker, known, silent)
+        record = corrected_surrogate.correct_by_runs(walker, known, silent)
         assert abs(record["nominal"] - direct) < record["high"] - record["low"] < 0.3 * direct
         assert record["low_95"] < record["low_68"] < record["mean"] < record["high_68"] < record["high_95"]
         monkeypatch.setattr("os.cpu_count", lambda: 1)
-        assert corrected_surrogate.simulate(walker, known, silent) == record
+        assert corrected_surrogate.correct_by_runs(walker, known, silent) == record
         row = speed_prediction.predict(walker.design, walker.mass, walker.scene)
         assert (row.speed_by, row.nominal.value) == ("corrected", record["nominal"])
         assert row.note.startswith("by the surrogate, corrected by a few runs, since ")
@@ -101,7 +101,7 @@ def share_within(record, drawn):
 
 def holds_direct(record, walker):
     """Whether the bounds of the speed as designed hold that of long runs, within their own error."""
-    direct = walkers.simulate(walker.with_run(runs=12, seconds=3.0, discard_seconds=1.0, seed=5)).summary
+    direct = walkers.simulate(walker.with_run_settings(runs=12, seconds=3.0, discard_seconds=1.0, seed=5)).summary
     noise = NORMAL_95 * (direct.speed.se or 0.0)
     return record["low"] - noise <= direct.speed.number <= record["high"] + noise
 
@@ -117,10 +117,10 @@ def test_corrected_bounds_hold_direct_runs_and_prints():
         try:
             surrogate.case_in_domain(*walker[:3])
         except UnknownError as reason:
-            if record := corrected_surrogate.simulate(walker, reason.near, silent):
+            if record := corrected_surrogate.correct_by_runs(walker, reason.near, silent):
                 with contextlib.suppress(GeometryError):  # a thicker print leaves the body
                     drawn = print_ensemble.simulate_prints(
-                        walker.with_run(seconds=2.0, seed=6).scene, case.design, 32, silent
+                        walker.with_run_settings(seconds=2.0, seed=6).scene, case.design, 32, silent
                     )
                     shares.append(share_within(record, drawn))
                     held.append(holds_direct(record, walker))

@@ -34,7 +34,7 @@ def walker(**keys):
     ("wanted", "cheaper"), [("1%", "2%"), ("2%", "5%"), ("3%", "5%"), ("5%", "10%"), ("0.5mm/s", "1mm/s")]
 )
 def test_the_next_cheaper_error_is_in_the_series_1_2_5_10(wanted, cheaper):
-    assert run_time.next_cheaper(tolerance.parse_tolerance(wanted)) == tolerance.parse_tolerance(cheaper)
+    assert run_time.next_larger_error(tolerance.parse_tolerance(wanted)) == tolerance.parse_tolerance(cheaper)
 
 
 def test_a_short_run_measures_the_cost_of_runs():

@@ -1,8 +1,8 @@
-"""A walker's speed by the surrogate, corrected by a few runs of the walker if the surrogate is not sure enough.
+"""A walker's speed from the surrogate, corrected by a few runs of the walker if the surrogate is too uncertain.
 
-On the scale of its networks the surrogate has nearly the same error for all prints of a walker. So runs of the walker
-as designed give the error, and prints need no runs. The networks' difference between walker and print remains.
-That scale is asinh(speed / (LINEAR_BELOW * plate's peak speed)). Records have the keys of `short_simulation`.
+The networks of the surrogate give asinh(speed / (LINEAR_BELOW * plate's peak speed)): speeds on their scale. On it the
+surrogate has nearly the same error for all prints of a walker. So runs of the walker as designed give this error, and
+prints need no runs. Records have the keys of `short_simulation`.
 """
 
 import math
@@ -49,90 +49,99 @@ MAX_FALL_CHANCE = 0.25
 
 
 class UntilCertain(NamedTuple):
-    """Rule that adds runs until the speed as designed is as certain as the surrogate's answers."""
+    """Rule that adds runs until the speed of the walker as designed, from surrogate and runs, is certain enough."""
 
-    known: SurrogateCase
+    case: SurrogateCase
     first_runs: int = FIRST_RUNS
 
     def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return a measurement with RUN_GROWTH times as many runs; None if that is certain enough, or MAX_RUNS."""
-        nominal = combine(self.known, measured.records)
+        """Return the measurement with more runs requested; None if certain enough, without speed, or at MAX_RUNS."""
+        nominal = combine(self.case, measured.records)
         if nominal is None or measured.runs >= MAX_RUNS:
             return None
-        if self.known.is_certain(nominal):
+        if self.case.is_certain(nominal):
             return None
         return measured.with_runs(min(MAX_RUNS, math.ceil(RUN_GROWTH * measured.runs)))
 
 
-def simulate(walker: Walker, known: SurrogateCase | None, progress: Progress) -> Record | None:
-    """Return the record of a walker's speeds, mm/s, from the surrogate and a few runs; None if it is too unsure.
+def correct_by_runs(walker: Walker, case: SurrogateCase | None, progress: Progress) -> Record | None:
+    """Simulate a few runs of a walker and return the record of its speeds (mm/s) from the surrogate and these runs.
 
-    `known`: the walker with the surrogate's numbers; None outside the surrogate's domain.
+    Return None outside the surrogate's domain (`case` is None), or if runs cannot correct the surrogate.
     """
-    if known is None or not _can_correct(known):
+    if case is None or not _can_correct(case):
         return None
-    short_walker = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
-    measured = measure(short_walker, UntilCertain(known), progress)
+    short_walker = walker.with_run_settings(seconds=SECONDS, discard_seconds=_settling_time(case))
+    measured = measure(short_walker, UntilCertain(case), progress)
     if measured.partial:
         raise KeyboardInterrupt
-    by_step, nominal = measured.quantities[SPEED].bias, combine(known, measured.records)
+    by_step, nominal = measured.quantities[SPEED].bias, combine(case, measured.records)
     if nominal is None or not math.isfinite(by_step):
         return None
-    speed, se = known.to_mm_s(nominal)
+    speed, se = case.to_mm_s(nominal)
     half_width = math.hypot(NORMAL_95 * se, by_step)
     falls = sum(record.outcome is Outcome.TOPPLED for record in measured.records) / measured.runs
     record: Record = {"by": "corrected", "falls": falls, "left_out": None, "nominal": speed}
-    return record | {"low": speed - half_width, "high": speed + half_width} | _print_spread(known, nominal, by_step)
+    return record | {"low": speed - half_width, "high": speed + half_width} | _speed_over_prints(case, nominal, by_step)
 
 
-def combine(known: SurrogateCase, records: Sequence[RunResult]) -> Speeds | None:
-    """Return the speed as designed from surrogate and runs, weighted by their errors, on the networks' scale.
+def combine(case: SurrogateCase, records: Sequence[RunResult]) -> Speeds | None:
+    """Return the mean of the surrogate's and the runs' speed as designed, weighted by errors, on the networks' scale.
 
-    Return None if too few runs ended well, or if surrogate and runs differ too much.
+    Return None if too few runs ended well, or if the two differ by more than MAX_DEVIATIONS standard deviations.
     """
     mean = ensemble.mean_speed([record for record in records if record.outcome in ENDED_WELL])
     bounds = mean.interval()
     if bounds is None:
         return None
-    scale = LINEAR_BELOW * known.peak_speed
+    scale = LINEAR_BELOW * case.peak_speed
     low, high, measured = (math.asinh(speed / scale) for speed in (*bounds, mean.number))
     noise = math.hypot((high - low) / (2.0 * NORMAL_95), MIN_RUN_ERROR)
-    prior = known.predicted
+    prior = case.predicted
     if np.any(np.abs(measured - prior.centre) > MAX_DEVIATIONS * np.hypot(prior.error, noise)):
         return None
     part = prior.error**2 / (prior.error**2 + noise**2)
     return prior._replace(centre=prior.centre + part * (measured - prior.centre), error=np.sqrt(part) * noise)
 
 
-def _can_correct(known: SurrogateCase) -> bool:
-    """Return whether runs correct the surrogate: it knows such walkers, and their speed does not depend on the time.
+def _can_correct(case: SurrogateCase) -> bool:
+    """Return whether runs can correct the surrogate: its error and chance of a fall are small, and the speed is steady.
 
-    On a plane that slopes a walker turns downhill; below 1 g some prints stand and others bounce. Runs that leave
-    effects out are not those of the surrogate.
+    On a sloping plane a walker turns downhill. Below 1 g some prints stand and others bounce. With an accepted error
+    runs leave out effects that the surrogate includes.
     """
-    scene, predicted = known.scene, known.predicted
+    scene, predicted = case.scene, case.predicted
     unsteady = scene.drive.peak_gamma < 1.0 or (scene.arena.kind == "plane" and scene.plate.slope_deg != 0.0)
     sure = bool(predicted.error[0] <= MAX_SURROGATE_ERROR and predicted.falls[0] <= MAX_FALL_CHANCE)
     return sure and not unsteady and scene.run.accepted_error is None
 
 
-def _settling_s(known: SurrogateCase) -> float:
-    """Return the time that a walker takes to reach its speed, s."""
-    gained_s = known.peak_speed / (max(known.scene.contact.friction, 1e-9) * GRAVITY)
+def _settling_time(case: SurrogateCase) -> float:
+    """Return the time that a walker takes from its drop to its steady speed, s."""
+    gained_s = case.peak_speed / (max(case.scene.contact.friction, 1e-9) * GRAVITY)
     return min(max(SETTLING_RATIO * gained_s, SETTLING_RANGE_S[0]), SETTLING_RANGE_S[1])
 
 
-def _print_spread(known: SurrogateCase, nominal: Speeds, by_step: float) -> Record:
-    """Return median, scatter and bounds over prints, mm/s: the surrogate's, shifted by the correction for the design.
+def _speed_over_prints(case: SurrogateCase, nominal: Speeds, by_step: float) -> Record:
+    """Return a record of the speed over prints, mm/s: "mean" (their median), "sd" and bounds.
 
-    `nominal`: corrected speed as designed. `by_step`: error by the time step (95 %), mm/s.
+    They are the surrogate's, shifted by the correction of the speed as designed.
+
+    Parameters
+    ----------
+    case
+        Walker within the surrogate's domain.
+    nominal
+        Corrected speed of the walker as designed, on the networks' scale.
+    by_step
+        Error of this speed by the time step (95 %), mm/s.
     """
-    drawn, predicted = prediction.sample_prediction_inputs(known.scene, known.design), known.predicted
-    speeds = known.speeds_at_draws(drawn)
-    factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]
+    drawn, predicted = prediction.sample_prediction_inputs(case.scene, case.design), case.predicted
+    speeds = case.speeds_at_draws(drawn)
+    factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{case.design.kind}_error"][0]
     error = np.hypot(nominal.error, factor * (speeds.each - predicted.each).std(axis=0, ddof=1))
     shift = nominal.centre - predicted.centre
-    prints = prediction.speeds_of_prints(known, speeds._replace(error=error), drawn, shift)
+    prints = prediction.speeds_of_prints(case, speeds._replace(error=error), drawn, shift)
     middle = float(np.median(prints))
     first2, first1, last1, last2 = np.quantile(prints, QUANTILES).tolist()
     low2, low1, high1, high2 = print_ensemble.add_step_error((first2, first1, last1, last2), middle, by_step)

@@ -1,4 +1,4 @@
-"""The simplest scene whose speed is within an accepted error of a walker's: measured, one effect after the other."""
+"""Selection of the effects that can be left out of a scene, as they change a walker's speed by too little to matter."""
 
 from typing import Any, NamedTuple
 
@@ -26,12 +26,12 @@ class UntilDecided(NamedTuple):
     first_runs: int = FIRST_RUNS
 
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
-        """Compare the variant's change of speed with the allowed error of the scene's speed (95 % confidence)."""
+        """Return whether the change of speed is within the allowed error, with 95 % confidence, or undecided."""
         pairs, records = measured.experiment, measured.records
         return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
     def request_more(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
-        """Return the measurement with twice as many pairs; None if the verdict is clear or MAX_PAIRS is reached."""
+        """Return the measurement with twice as many pairs requested; None if decided, without error, at MAX_PAIRS."""
         change = measured.experiment.changes(measured.records)[0].speed
         decided = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
         return None if decided or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
@@ -44,7 +44,7 @@ class Simplest(NamedTuple):
     accepted: float | None = None
     """Error that was accepted, a share of the speed; None: nothing was tried."""
     left_out: tuple[Change, ...] = ()
-    """Changes of the speed, each with all before it left out as well."""
+    """Changes by the effects that are left out, each measured with all effects before it left out as well."""
     kept: tuple[Change, ...] = ()
     cpu_s: float = 0.0
     """CPU time that finding it out took, s."""
@@ -106,8 +106,8 @@ def check_no_accepted_error(scene: Scene, why: str) -> None:
 def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
     """Return the walker in the simplest scene whose speed stays within the scene's `run.accepted_error` (95 %).
 
-    Leaves out one effect after the other, except those listed in `effects.on`. Each time, the speed without all effects
-    left out so far is compared with the speed of the complete scene.
+    Try to leave out one effect after the other, except those listed in `effects.on`. Each time, compare with the speed
+    in the complete scene. If the key is not set, nothing is tried or left out.
     """
     accepted = walker.scene.run.accepted_error
     if accepted is None:

@@ -54,7 +54,7 @@ class Walker(NamedTuple):
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def plan(self) -> Plan:
-        """Return the 3D simulation of the walker. Raises InputError if scene and design contradict each other."""
+        """Prepare the 3D simulation of the walker. Raises InputError if scene and design contradict each other."""
         return prepare(self.scene, self.design, self.mass)
 
     def prepare(self) -> OneRun[RunResult]:
@@ -72,10 +72,10 @@ class Walker(NamedTuple):
     def finer(self) -> "Walker | None":
         """Return the walker with half the time step; None if that is below MIN_STEP_US."""
         step = _step_us(self.plan())
-        return None if step < 2.0 * MIN_STEP_US else self.with_run(step_us=0.5 * step)
+        return None if step < 2.0 * MIN_STEP_US else self.with_run_settings(step_us=0.5 * step)
 
-    def with_run(self, **run: float) -> "Walker":
-        """Return the walker with these settings, by name, changed in the table [run] of its scene."""
+    def with_run_settings(self, **run: float) -> "Walker":
+        """Return the walker in a changed scene. `run`: new settings of the scene's table [run] by name."""
         return self._replace(scene=self.scene.model_copy(update={"run": self.scene.run.model_copy(update=run)}))
 
 
@@ -83,15 +83,15 @@ class Results(NamedTuple):
     """Runs of a walker, and their numbers."""
 
     walker: Walker
-    """Walker, with the runs and the step that were taken in its scene."""
+    """Walker; its scene has the number of runs and the time step that were used."""
     summary: Summary
-    """Statistics of the runs; what the step leaves of each number is its bias."""
+    """Statistics of the runs; each number has its error by the time step as bias."""
     results: Sequence[RunResult]
     """Finished runs, sorted by number; fewer than requested after Ctrl-C."""
     warnings: Sequence[str]
     """Warnings on keys without a part."""
     step_us: float
-    """Step that was taken."""
+    """Time step of the runs, µs."""
 
     @property
     def partial(self) -> bool:
@@ -123,7 +123,7 @@ def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.equivalent_drive.peak_speed, wall_s)
     return Results(
-        walker.with_run(runs=runs),
+        walker.with_run_settings(runs=runs),
         summary._replace(numbers=step_errors.add_step_bias(plan, summary.numbers)),
         records,
         [plan.resolved.idle] if plan.resolved.idle else [],

@@ -1,4 +1,4 @@
-"""Predictions for the walkers of a design: masses and speeds, compared with weighed masses and runs."""
+"""Predictions for the members (walkers) of a family: masses and speeds, compared with weighed masses and runs."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType, SimpleNamespace
@@ -68,7 +68,7 @@ def predict_members(
     model: Model = "best",
     progress: Progress = silent,
 ) -> Iterator[Member]:
-    """Yield each design's mesh, masses and predicted speed, with the same random numbers for all.
+    """Yield each design as a member: mesh, masses and predicted speed, with the same random numbers for all.
 
     `built`: solids of each design. `weighed`: masses from a balance by part name; members then also have the mass and
     speed of their mesh. With `model` "best", up to MAX_SIMULATED walkers outside the surrogate are simulated. Raises

@@ -1,7 +1,7 @@
-"""Kinds of experiments of points: the module of each kind, imported on first use.
+"""Kinds of points, such as a walker alone or a crowd: the module of each kind, imported on first use.
 
-Such a module lists the groups of numbers of its points, their columns in a table, and the groups
-that pictures show. It also evaluates a point. `alone` is of a walker alone, by any model of it.
+Such a module lists the groups of numbers of its points, their columns in a table, and the numbers
+that pictures show. It also evaluates a point. The kind ALONE has several models, each other kind one.
 """
 
 from collections.abc import Sequence
@@ -65,7 +65,7 @@ class Kind(Protocol):
         """Return the numbers that pictures show of a table with the groups in `keep`."""
 
     def cost(self, point: Point) -> float:
-        """Estimate the CPU seconds to evaluate a point, in less time. Raises WalkergenError for an invalid point."""
+        """Estimate the CPU seconds to evaluate a point. Raises WalkergenError for an invalid point."""
 
     def evaluate(self, point: Point) -> Record:
         """Compute the numbers of a point. Raises WalkergenError if it cannot be built or simulated."""

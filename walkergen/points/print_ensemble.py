@@ -51,7 +51,7 @@ class PrintScatter(NamedTuple):
     shares: tuple[Share, ...]
     """Parts of the variance between prints, by input; none where runs so short resolve none."""
     unexplained: Quantity
-    """Part of it that no input explains: the heights of a print's corners, and the emulator's
+    """Part of that variance that no input explains: heights of a print's corners, and the emulator's
     error."""
     inputs: tuple[Input, ...]
     values: Array
@@ -118,7 +118,7 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
 def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
     """Widen the bounds `ends` of a mean by the time step's error, mm/s.
 
-    The error (95 %; None if unknown) is added in quadrature.
+    `error` (95 %) is added in quadrature; None, for an unknown error, leaves the bounds unchanged.
     """
     by_step = error or 0.0
     return add_error(ends, mean, (by_step, 0.5 * by_step, 0.5 * by_step, by_step))
@@ -160,7 +160,7 @@ def _half_speeds(results: Results) -> tuple[float, float]:
 def analyse(
     inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
 ) -> PrintScatter:
-    """Separate the scatter of speeds between prints from the statistical error of short runs.
+    """Compute the scatter of speeds between prints, without statistical errors of short runs, and its shares by input.
 
     `values`: inputs of n draws, shape (n, inputs). `halves`: mean speeds of the two halves of each run, shape (n, 2),
     mm/s. The difference of the halves gives the statistical error, if correlations are shorter than half a run.
@@ -189,7 +189,7 @@ def analyse(
 
 
 def statistical_error(halves: Array) -> float:
-    """Estimate the standard error of a run's mean speed, mm/s, from the halves of all runs, shape (n, 2)."""
+    """Estimate the standard error of one run's mean speed, mm/s. `halves`: speeds of the halves of n runs, (n, 2)."""
     return 0.5 * float(np.sqrt(np.mean((halves[:, 1] - halves[:, 0]) ** 2)))
 
 

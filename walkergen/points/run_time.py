@@ -1,7 +1,7 @@
-"""Time that runs will take on this machine: the time of a moment, times their length, and the number for an error.
+"""Estimates of the time that runs will take on this machine.
 
-A moment is simulated and timed, so that every effect and every model is included. For an error, the first runs, which
-are made anyway, give the scatter. Times by the clock are those of an idle machine.
+A moment, the start of one run, is simulated and timed. So every effect and every model is included. The number of runs
+for an error follows from the scatter of the first runs. Times by the clock are those of an idle machine.
 """
 
 import math
@@ -62,7 +62,7 @@ def measure_rate(plan: Plan) -> float:
 
 
 def run_cpu_s(walker: Walker) -> float:
-    """Estimate the CPU seconds of one run of a walker by simulating a moment."""
+    """Estimate the CPU seconds of one run of a walker, from the rate that `measure_rate` returns."""
     run = walker.scene.run
     return measure_rate(walker.plan()) * (run.discard_seconds + run.seconds)
 
@@ -73,7 +73,7 @@ def wall_time(task_cpu_s: float, tasks: int, workers: int | None = None) -> floa
 
 
 def total_time(walkers: Sequence[Walker]) -> Expected | None:
-    """Estimate the clock time of all runs of walkers, one walker after the other; None if it is short."""
+    """Estimate the clock time of all runs of walkers, one walker after the other; None below MIN_RUNS_S."""
     runs = [walker.scene.run for walker in walkers]
     if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < MIN_RUNS_S:
         return None
@@ -92,33 +92,33 @@ class ErrorWithEstimate(NamedTuple):
         return self.until.first_runs
 
     def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return the measurement with more runs, or a finer experiment, until the error is met; None then.
+        """Return the measurement with more runs requested or a finer experiment; None if met, or if neither helps.
 
-        After the first runs, pass a function that estimates the remaining time to `expect`.
+        After the first runs, call `expect` with a function that estimates the remaining time.
         """
         more = self.until.request_more(measured)
         if more is not None and measured.runs == self.until.first_runs:
-            self.expect(lambda: time_to_error(self.until, measured))
+            self.expect(lambda: remaining_time(self.until, measured))
         return more
 
 
-def time_to_error(until: UntilError, measured: Measured[Walker]) -> Expected:
+def remaining_time(until: UntilError, measured: Measured[Walker]) -> Expected:
     """Estimate the remaining clock time until the error is met, from the first runs `measured`.
 
     A note compares the total time with that for the next larger error.
     """
-    cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
-    cores, left = core_count(), cost_of_error(until, measured)
+    cheaper = until._replace(tolerance=next_larger_error(until.tolerance))
+    cores, left = core_count(), remaining_cpu_s(until, measured)
     whole, other = (
         formatting.format_duration((total_cpu_s(measured) + cost) / cores)
-        for cost in (left, cost_of_error(cheaper, measured))
+        for cost in (left, remaining_cpu_s(cheaper, measured))
     )
     return Expected(
         left / cores, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
     )
 
 
-def cost_of_error(until: UntilError, measured: Measured[Walker]) -> float:
+def remaining_cpu_s(until: UntilError, measured: Measured[Walker]) -> float:
     """Estimate the remaining CPU seconds until the error is met, from the first runs `measured`; 0 if it is met."""
     if until.request_more(measured) is None:
         return 0.0
@@ -163,8 +163,8 @@ def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:
     return se * math.sqrt(len(good) or 1)
 
 
-def next_cheaper(wanted: Tolerance) -> Tolerance:
-    """Return the next larger error of the series 1, 2, 5, 10."""
+def next_larger_error(wanted: Tolerance) -> Tolerance:
+    """Return the tolerance with the next larger error of the series 1, 2, 5, 10."""
     digit = 10.0 ** math.floor(math.log10(wanted.value) + 1e-9)
     larger = next(step * digit for step in (2.0, 5.0, 10.0) if step * digit > wanted.value * (1.0 + 1e-9))
     return wanted._replace(value=float(f"{larger:.6g}"))

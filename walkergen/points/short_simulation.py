@@ -52,7 +52,7 @@ MAX_FALL_SHARE = 0.5
 
 
 def _store_key(walker: Walker) -> str:
-    """Return the key of a walker's numbers, and of its run times."""
+    """Return the key, in the store, of the record of a walker's short simulation."""
     return f"speed {walker.key} {digest()} {MAX_RUN_S:g} {MAX_RUNS} {PRINT_COUNT} {PRINT_S:g}"
 
 
@@ -65,15 +65,15 @@ def load_stored(walker: Walker) -> Record | None:
         store.close()
 
 
-def simulate_short(walker: Walker, near: SurrogateCase | None, progress: Progress) -> Record:
-    """Simulate a walker shortly, and save its numbers in the store.
+def simulate_short(walker: Walker, case: SurrogateCase | None, progress: Progress) -> Record:
+    """Compute the record of a walker's speeds (mm/s) by a short simulation, and save it in the store.
 
-    `near`: the walker with the surrogate's numbers, so that a few runs are enough; None if it has none. Raises
+    `case`: the walker within the surrogate's domain, where a few runs may be enough; None outside it. Raises
     InputError for a walker with so many steps that it takes minutes.
     """
     if walker.scene.run.step_us is not None:  # the surrogate's ranges bound the steps of all others that it knows
         _check_run_length(walker)
-    record = corrected_surrogate.simulate(walker, near, progress)
+    record = corrected_surrogate.correct_by_runs(walker, case, progress)
     if record is None:
         _check_run_length(walker)
         record = _simulate_runs(walker, progress)
@@ -110,19 +110,19 @@ def _simulate_runs(walker: Walker, progress: Progress) -> Record:
 
 def _with_short_runs(walker: Walker) -> Walker:
     """Return the walker with runs long enough for its speed as designed."""
-    return walker.with_run(seconds=min(walker.scene.run.seconds, MAX_RUN_S * _time_share(walker)))
+    return walker.with_run_settings(seconds=min(walker.scene.run.seconds, MAX_RUN_S * _run_length_ratio(walker)))
 
 
 def _estimate_cpu_s(walker: Walker) -> float:
-    """Return the maximum CPU time of the fewest runs of a short simulation, by the number of their steps, s."""
+    """Return an upper limit of the CPU time of a short simulation with FIRST_RUNS runs, from its steps, s."""
     run = _with_short_runs(walker).scene.run
-    prints_s = PRINT_DISCARD_S + PRINT_S * _time_share(walker)
+    prints_s = PRINT_DISCARD_S + PRINT_S * _run_length_ratio(walker)
     simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
     return simulated_s * run_time.rate_from_steps(walker.plan())
 
 
 def _check_run_length(walker: Walker) -> None:
-    """Raise InputError for a walker whose short simulation takes minutes, with the key that makes it so."""
+    """Raise InputError if a short simulation takes more than MAX_CPU_S, with the scene's key that makes it slow."""
     cpu_s = _estimate_cpu_s(walker)
     if cpu_s <= MAX_CPU_S:
         return
@@ -156,14 +156,14 @@ def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
                 yield key, value, replace_without_validation(scene, {key: field.default})
 
 
-def _time_share(walker: Walker) -> float:
-    """Return the share of the usual run time: with many legs a run takes longer, and repeats itself sooner."""
+def _run_length_ratio(walker: Walker) -> float:
+    """Return the walker's run length over the usual one: below 1 with many legs, as runs repeat themselves sooner."""
     return min(1.0, MAX_FULL_TIME_LEGS / len(walker.design.limbs))
 
 
 def _simulate_prints(walker: Walker, progress: Progress) -> Record:
-    """Compute mean, scatter and bounds over prints, mm/s; empty if too few prints walk."""
-    seconds = PRINT_S * _time_share(walker)
+    """Return mean, scatter and bounds of the speed over prints, mm/s, as a record; {} if too few prints walk."""
+    seconds = PRINT_S * _run_length_ratio(walker)
     run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
     scene = walker.scene.model_copy(update={"run": run})
     try:
@@ -181,7 +181,7 @@ def _simulate_prints(walker: Walker, progress: Progress) -> Record:
 
 
 def speed_from_record(record: Record, scene: Scene) -> PredictedSpeed | None:
-    """Return the speed of a record, with the model's own error in the bounds; None for a walker that falls."""
+    """Return a record's speeds, over prints with the model's error; None without speed or if half of the runs fell."""
     value, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
     if value is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
         return None

@@ -1,4 +1,4 @@
-"""Points of a walker alone: masses, predicted speed, results of a simulation (see `kinds`)."""
+"""Points of the kind ALONE (see `model_kinds`), a walker alone: masses, predicted speed, results of a simulation."""
 
 import time
 from collections.abc import Sequence
@@ -83,7 +83,7 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 
 
 def cost(point: Point) -> float:
-    """Estimate the CPU seconds of a point from short runs. If it is only predicted, measure an evaluation instead."""
+    """Estimate the CPU seconds of a point from short runs. If it is only predicted, time an evaluation instead."""
     if point.simulated:
         found = find_simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
         walker, wanted = found.walker, point.wanted

@@ -28,10 +28,10 @@ def predict(
     model: Model = "best",
     progress: Progress = silent,
 ) -> Prediction:
-    """Predict the mean speed of one walker with the best available model.
+    """Predict the mean speed of one walker from the surrogate or, outside its domain, from a short simulation.
 
-    With model "known" nothing is simulated. With "theory" only the theory is used, and a row may have no speed.
-    Raises InputError if a walker to simulate contradicts its scene or would take minutes,
+    With model "known" nothing is simulated: a row outside the domain has a stored speed or none. With "theory" it has
+    the theory's speed only. Raises InputError if a walker to simulate contradicts its scene or would take minutes,
     TheoryError for an unknown mode.
     """
     if model == "theory":
@@ -51,14 +51,14 @@ def predict(
                 design, mass, scene, mode, None, f"not simulated yet, use predict or ‹simulate›: {reason}"
             )
         left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
-        falls, note = float(record["falls"] or 0.0), f"{_how(record)}, since {reason}{left_out}"
+        falls, note = float(record["falls"] or 0.0), f"{_describe_source(record)}, since {reason}{left_out}"
         if scene.drive.kind == "motor":
             note += _push_warning(scene.drive.push_ratio(float(mass.total)))
         speed = short_simulation.speed_from_record(record, scene)
         return prediction.make_row(design, mass, scene, mode, speed, note, falls)
 
 
-def _how(record: "Record") -> str:
+def _describe_source(record: "Record") -> str:
     """Describe how the speed in a record was computed: by runs alone, or by the surrogate and runs."""
     return "simulated" if record["by"] == "runs" else "by the surrogate, corrected by a few runs"
 

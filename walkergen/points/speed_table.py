@@ -1,4 +1,4 @@
-"""Table of predicted speeds as people read it: what it rests on, its columns, its notes."""
+"""Table of the predicted speeds of a design's walkers, as shown to users: its caption, columns and notes."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Resolution of a time step: how far each observable may be off by it, or that this is unknown.
+"""Errors of a simulation's numbers by its time step: the largest error of each, or the reason why it is unknown.
 
 Measured with `walkergen accuracy --only steps` and by hand, see docs/physics.md section 7.
 """
@@ -11,8 +11,8 @@ from walkergen.core.simulation import observables
 from walkergen.core.simulation.plan import Plan, prepare
 
 LANDING_RATE, GROUP_RATE, MOTION = "landings", "groups", "motion"
-"""Names of other numbers with an error by the step: rates of landings of single corners and of groups of
-corners, and all numbers from tracks."""
+"""Names of other numbers with an error by the time step: rates at which single corners of the feet and groups of
+corners land, and one name for all numbers from tracks (turning, diffusion)."""
 
 MAX_STEP_ERRORS = {
     observables.IMPACTS: 0.06,
@@ -24,11 +24,11 @@ MAX_STEP_ERRORS = {
     LANDING_RATE: 0.08,
     GROUP_RATE: 0.15,
 }
-"""Largest errors (95 %) at the default step of the feet, as shares of the value.
+"""Largest errors (95 %) of numbers by name at the default time step, over the number's value.
 
-They fall with the square of the step. They bound what 19 settings differ by from a quarter of the step (tilts of 0 to
-35 deg, restitution 0.1 to 0.9, friction 0.05 to 0.5, 60 and 90 Hz, 1.4 to 2.6 g, tips of 1 to 50 um, rigid tips, braced
-legs). Those of friction and damping are of restitution 0.1; elsewhere both stay below 0.03."""
+They fall with the square of the step. They bound the differences from runs with a quarter of the step, in 19 settings:
+tilts of 0 to 35 deg, restitution 0.1 to 0.9, friction 0.05 to 0.5, 60 and 90 Hz, 1.4 to 2.6 g, tips of 1 to 50 um,
+rigid tips, braced legs. The powers of friction and damping reach theirs at restitution 0.1, elsewhere 0.03."""
 
 MAX_SHARE_ERRORS = {
     "I": 0.03,
@@ -40,11 +40,11 @@ MAX_SHARE_ERRORS = {
     "III mirrored": 0.06,
     "sticking": 0.13,
 }
-"""The same for shares of types, by impulse and by number, as differences of shares."""
+"""Largest errors (95 %) of the shares of impact types at the default time step, as differences of shares (0 to 1)."""
 
 SPEED_ERROR_SHARE, SPEED_ERROR_FLOOR = 0.03, 0.01
-"""The same for the speed, as shares of itself and of the plate's peak speed, which add: found are 2 % at 10 deg, and at
-most 1.4 ± 0.8 mm/s."""
+"""Largest error (95 %) of the speed at the default time step: the first times the speed plus the second times the
+plate's peak speed. Measured were 2 % at a tilt of 10 deg, and at most 1.4 ± 0.8 mm/s."""
 
 TURNING_REASON = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
@@ -56,8 +56,8 @@ COARSE_STEP_REASON = "not resolved by this step: ‹step=›{step_us:.2g} or les
 def add_step_bias(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
     """Return the numbers of runs by name, each with the largest error by the time step (95 %) as its `bias`.
 
-    An unknown error is infinite, with the reason in `refused`. LANDING_RATE and GROUP_RATE are added with relative
-    errors, and MOTION.
+    An unknown error is infinite, with the reason in `refused`. Added entries: LANDING_RATE and GROUP_RATE with relative
+    errors, and MOTION, whose error is never known.
     """
     named = {
         **numbers,
@@ -65,32 +65,32 @@ def add_step_bias(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quan
         MOTION: exact(MOTION, "", 0.0),
     }
     resolving = resolving_step(plan)
-    part = plan.world.options.step / resolving
-    coarse = COARSE_STEP_REASON.format(step_us=_round_down(1e6 * resolving)) if part > 1.0 + 1e-9 else ""
+    step_ratio = plan.world.options.step / resolving
+    coarse = COARSE_STEP_REASON.format(step_us=_round_down(1e6 * resolving)) if step_ratio > 1.0 + 1e-9 else ""
     for name, number in named.items():
         if reason := coarse or (TURNING_REASON if name == MOTION else ""):
             named[name] = number._replace(bias=math.inf, refused=reason)
         else:
-            named[name] = number._replace(bias=_bias(plan, part, name, number.value or 0.0))
+            named[name] = number._replace(bias=_bias(plan, step_ratio, name, number.value or 0.0))
     return named
 
 
-def _bias(plan: Plan, part: float, name: str, value: float) -> float:
-    """Return the largest error (95 %) of the number `name`. `part`: step over `resolving_step`, at most 1."""
+def _bias(plan: Plan, step_ratio: float, name: str, value: float) -> float:
+    """Return the largest error (95 %) by the step of a number. `step_ratio`: step over `resolving_step`, at most 1."""
     if name == observables.SPEED:
-        return part**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.equivalent_drive.peak_speed)
+        return step_ratio**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.equivalent_drive.peak_speed)
     if name in MAX_STEP_ERRORS:
-        return part**2 * MAX_STEP_ERRORS[name] * abs(value)
-    return part**2 * MAX_SHARE_ERRORS[name.partition(".")[2]] if value > 0.0 else 0.0  # share of an impact type
+        return step_ratio**2 * MAX_STEP_ERRORS[name] * abs(value)
+    return step_ratio**2 * MAX_SHARE_ERRORS[name.partition(".")[2]] if value > 0.0 else 0.0  # share of an impact type
 
 
 def step_bias(number: Quantity) -> float | None:
-    """Return the largest error of a number by the step (95 %); None if unknown."""
+    """Return the largest error of a number by the time step (95 %), in its unit; None if unknown."""
     return None if math.isinf(number.bias) else number.bias
 
 
 def reason(number: Quantity) -> str:
-    """Return the text why a number's error by the time step is unknown; "" if it is known."""
+    """Return the reason, for users, why a number's error by the time step is unknown; "" if it is known."""
     return number.refused if math.isinf(number.bias) else ""
 
 
@@ -105,7 +105,7 @@ def total_error(number: Quantity) -> float | None:
 
 
 def resolving_step(plan: Plan) -> float:
-    """Return the default time step (s), which resolves the contact of the walker's feet. The scene's own is ignored."""
+    """Return the default time step (s), which resolves contacts of the walker's feet. `run.step_us` is ignored."""
     if plan.scene.run.step_us is None:
         return float(plan.world.options.step)
     run = plan.scene.run.model_copy(update={"step_us": None})

@@ -31,7 +31,7 @@ class Store:
                 "CREATE TABLE IF NOT EXISTS points (key TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID"
             )
         except sqlite3.Error as error:
-            raise self._failure(error) from None
+            raise self._storage_error(error) from None
 
     def get(self, keys: Sequence[str]) -> dict[str, Record]:
         """Return the stored records by key. Missing keys are left out."""
@@ -39,7 +39,7 @@ class Store:
         try:
             rows = self._base.execute(f"SELECT key, record FROM points WHERE key IN ({marks})", keys).fetchall()
         except sqlite3.Error as error:
-            raise self._failure(error) from None
+            raise self._storage_error(error) from None
         records = ((key, _parse_record(text)) for key, text in rows)
         return {key: record for key, record in records if record is not None}
 
@@ -58,13 +58,13 @@ class Store:
                 raise
             self._base.execute("COMMIT")
         except sqlite3.Error as error:
-            raise self._failure(error) from None
+            raise self._storage_error(error) from None
 
     def close(self) -> None:
         """Close the file."""
         self._base.close()
 
-    def _failure(self, error: Exception) -> OutputError:
+    def _storage_error(self, error: Exception) -> OutputError:
         """Return the error to raise, with advice, for an error of SQLite."""
         return OutputError(
             f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "

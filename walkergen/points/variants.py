@@ -1,7 +1,7 @@
-"""Variants of a scene: what an effect changes of a walker's speed and of its CPU time.
+"""Variants of a scene, each with one effect switched off or on, and their change of a walker's speed and CPU time.
 
 Scene and variants start from the same drops and phases, run after run in turn. So a difference is
-the variant's, and a busy machine slows all alike.
+the variant's, and a busy machine slows all alike. A rule decides whether a scene has an effect.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
 from walkergen.core.tolerance import Tolerance
 from walkergen.points.experiments import Walker
-from walkergen.points.walkers import speed_error
+from walkergen.points.walkers import speed_rule
 
 MAX_RUN_S, MAX_DISCARD_S = 2.0, 0.5
 """Maximum measured time of a run, and of its start that is not measured, s: more runs give more than longer ones."""
@@ -38,23 +38,23 @@ class Variant(NamedTuple):
     """Description of the difference."""
     walker: Walker
     values: Mapping[str, Any]
-    """Values of keys of the scene that make it."""
+    """Changed values of the scene, by key."""
 
     @property
     def leaves_out(self) -> bool:
-        """Whether it lacks an effect of the scene."""
+        """Whether an effect of the scene is switched off."""
         return self.change == "off"
 
 
 class Change(NamedTuple):
-    """Change of the numbers by a variant."""
+    """Change of a walker's speed and CPU time by a variant of its scene."""
 
     effect: str
     change: str
     speed: Quantity
     """Mean speed of the variant less that of the scene, mm/s, by pairs of runs; no error of the step."""
     cpu: Quantity
-    """CPU time of the variant over that of the scene, by pairs of runs."""
+    """CPU time of the variant over that of the scene (a ratio), by pairs of runs."""
 
 
 class Pairs(NamedTuple):
@@ -93,7 +93,7 @@ class Pairs(NamedTuple):
         return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
 
     def changes(self, records: Sequence[RunSet]) -> list[Change]:
-        """Compute the change of speed and of CPU time by each variant."""
+        """Compute the change of speed (mm/s) and of CPU time (a ratio) by each variant, from sets of runs."""
         changes = []
         for index, variant in enumerate(self.variants, start=1):
             pairs = [(runs[0], runs[index]) for runs in records]
@@ -104,15 +104,15 @@ class Pairs(NamedTuple):
 
 
 def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
-    """Return whether a change of speed is within the tolerance of the walker's `speed`, with 95 % confidence."""
-    error = speed_error(tolerance, walker.equivalent_drive).max_error(speed.value)
+    """Return whether a change is within the tolerance of the walker's `speed`, with 95 % confidence, or undecided."""
+    error = speed_rule(tolerance, walker.equivalent_drive).max_error(speed.value)
     return change.speed.compare_with_range(-error, error)
 
 
 def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float) -> Quantity:
-    """Return the mean speed difference, mm/s, of pairs (scene, variant) of runs.
+    """Return the mean speed in a variant less that in the scene, mm/s. `pairs`: runs (scene, variant).
 
-    It has no standard error if the runs share an orbit, and no value if one ended badly. `plate_speed`: peak, mm/s.
+    It has no standard error if the runs share an orbit, and no value if one ended badly. `plate_speed`: its peak, mm/s.
     """
     ended = [result for pair in pairs for result in pair if result.outcome not in ENDED_WELL]
     if ended:
@@ -129,23 +129,24 @@ def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed:
 def _with_short_runs(walker: Walker) -> Walker:
     """Return the walker with runs of at most MAX_RUN_S after a start of at most MAX_DISCARD_S."""
     run = walker.scene.run
-    return walker.with_run(seconds=min(run.seconds, MAX_RUN_S), discard_seconds=min(run.discard_seconds, MAX_DISCARD_S))
+    seconds, discarded = min(run.seconds, MAX_RUN_S), min(run.discard_seconds, MAX_DISCARD_S)
+    return walker.with_run_settings(seconds=seconds, discard_seconds=discarded)
 
 
-def rule_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
-    """Return every rule with the effect that it finds for a plan, on or off."""
+def decide_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
+    """Return every rule of an effect with its decision for a plan: the effect, on or off."""
     return [(rule, rule.decide(plan.case)) for rule in active_effects.all_rules()]
 
 
 def without_effect(walker: Walker, rule: Rule) -> Variant | None:
-    """Return the variant of a scene without the effect of a rule; None if it cannot be simulated."""
+    """Return the variant of the walker's scene without a rule's effect; None if it cannot be simulated."""
     return _build_variant(walker, "", "off", rule.off)
 
 
 def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
-    """Yield a variant without each effect that is on. `also_on`: also a variant with each effect that is off."""
+    """Yield a variant without each effect that is on. `also_on`: also one with each effect that is off, switched on."""
     by_motor = walker.scene.drive.kind == "motor"
-    for rule, effect in rule_effects(walker.plan()):
+    for rule, effect in decide_effects(walker.plan()):
         variant = None
         if effect.on and effect.switch:
             variant = without_effect(walker, rule)

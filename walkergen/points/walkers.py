@@ -1,4 +1,4 @@
-"""Simulated walkers: the runs that their scenes request, or as many as an error needs; their motion.
+"""Simulation of walkers: as many runs as their scenes request, or as an error needs. Motion from these runs.
 
 A relative error of the speed refers to at least MIN_SPEED_RATIO of the plate's peak speed.
 """
@@ -28,7 +28,7 @@ MAX_RUN_S = 4.0
 """Maximum measured time of a run for an error: more runs give more than longer ones."""
 
 MIN_SPEED_RATIO = 0.2
-"""Speed over the plate's peak speed below which a share of error counts of this one."""
+"""Ratio of speed and plate's peak speed: a relative error of a slower walker refers to this speed."""
 
 
 def simulate(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Results:
@@ -118,7 +118,7 @@ def simulate_to_error(
         raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.OBSERVABLE_NAMES)}")
     if of != SPEED and not wanted.relative:
         raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s. Write a share, such as 5%.")
-    until = speed_error(wanted, walker.equivalent_drive) if of == SPEED else UntilError(wanted, of)
+    until = speed_rule(wanted, walker.equivalent_drive) if of == SPEED else UntilError(wanted, of)
     results = _simulate_short_runs(walker, ErrorWithEstimate(until, expect), progress, threads)
     number = results.summary.numbers[of]
     if reason := step_errors.reason(number):
@@ -129,14 +129,14 @@ def simulate_to_error(
 def simulate_with_limit(walker: Walker, wanted: Tolerance, max_runs: int, progress: Progress = silent) -> Results:
     """Simulate short runs of a walker until its speed has the wanted error or `max_runs` runs are made."""
     return _simulate_short_runs(
-        walker, speed_error(wanted, walker.equivalent_drive)._replace(max_runs=max_runs), progress, None
+        walker, speed_rule(wanted, walker.equivalent_drive)._replace(max_runs=max_runs), progress, None
     )
 
 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
     """Estimate the CPU seconds, first runs included, until the speed has the wanted error. Makes the first runs."""
     first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
-    return run_time.total_cpu_s(first) + run_time.cost_of_error(speed_error(wanted, walker.equivalent_drive), first)
+    return run_time.total_cpu_s(first) + run_time.remaining_cpu_s(speed_rule(wanted, walker.equivalent_drive), first)
 
 
 def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
@@ -146,11 +146,11 @@ def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threa
 
 def _with_first_runs(walker: Walker) -> Walker:
     """Return the walker with FIRST_RUNS runs of at most MAX_RUN_S."""
-    return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
+    return walker.with_run_settings(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
 
 
-def speed_error(wanted: Tolerance, drive: Drive) -> UntilError:
-    """Return the rule to add runs until the speed has the wanted error. `shaken`: drive of the plate."""
+def speed_rule(wanted: Tolerance, drive: Drive) -> UntilError:
+    """Return the rule that adds runs until the speed has the wanted error. `drive`: drive of the plate."""
     return UntilError(wanted, SPEED, MIN_SPEED_RATIO * drive.peak_speed)
 
 
@@ -159,7 +159,7 @@ def _to_results(measured: Measured[Walker]) -> Results:
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
-    """Return the tracks of runs, seen from above: samples every `interval` s, or the ends of blocks for None.
+    """Return the tracks of runs, seen from above. `interval`: time between samples, s; None for the ends of blocks.
 
     `lane`: True if only the position along a lane counts.
     """
@@ -169,9 +169,16 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
 
 def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:
-    """Return the motion estimated from tracks of runs, and ""; for runs that are too short None and the reason.
+    """Return the motion estimated from tracks of runs, and ""; None and the reason if the runs are too short.
 
-    `interval`: time between samples of the tracks, s; None for the ends of blocks.
+    Parameters
+    ----------
+    results
+        Finished runs.
+    scene
+        Scene of the runs.
+    interval
+        Time between samples of the tracks, s; None for the ends of the runs' blocks.
     """
     slope = 0.0 if "plate_slope" in scene.effects.off else scene.plate.slope_deg
     descent = None if not slope else 0.0 if slope > 0.0 else math.pi  # heading downhill, rad

@@ -227,7 +227,7 @@ def test_advice_reaches_its_error_in_fresh_runs(error):
     inside = 0
     for seed in range(2001, 2007):
         one = measure.build_walker(measure.Setting("lane-90hz", 5.0, 0.8, 1.0), seed)
-        one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.candidate.step_us)
+        one = one.with_run_settings(runs=found.runs, seconds=found.seconds, step_us=found.candidate.step_us)
         speed = walkers.simulate(one, threads=1).summary.speed.value
         inside += abs(speed - true.speed_mm_s) <= room
     assert inside >= 5

@@ -249,7 +249,7 @@ def test_ctrl_c_reports_the_finished_runs_as_partial(run, monkeypatch, tmp_path)
     simulate = walkers.simulate
 
     def stop_early(asked, progress, threads=None):
-        return simulate(asked.with_run(runs=2), progress)._replace(walker=asked)
+        return simulate(asked.with_run_settings(runs=2), progress)._replace(walker=asked)
 
     words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT_RUN, "--trajectory", "runs.csv")
     assert json.loads(run(*words).stdout)["partial"] is False

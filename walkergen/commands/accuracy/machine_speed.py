@@ -55,7 +55,7 @@ def _loop_plan() -> Plan:
     design = templates.load(BENCHMARK_WALKER, "walkers", Design).variant(tilt_deg=BENCHMARK_TILT_DEG)
     scene = templates.load(BENCHMARK_SCENE, "scenes", Scene)
     walker = Walker(scene, design, solids.mass_of(design))
-    return walker.with_run(runs=1, seconds=LOOP_S, discard_seconds=0.0).plan()
+    return walker.with_run_settings(runs=1, seconds=LOOP_S, discard_seconds=0.0).plan()
 
 
 def _time_loop(plan: Plan) -> float:

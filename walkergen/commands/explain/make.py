@@ -71,7 +71,7 @@ def explain(
     """
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
-    effects = [effect for _, effect in variants.rule_effects(plan)]
+    effects = [effect for _, effect in variants.decide_effects(plan)]
     found: EffectChanges | None = None
     if measure:
         found = measuring.measure_all_effects(walker, progress)

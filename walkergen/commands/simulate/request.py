@@ -163,7 +163,7 @@ class SimulateRequest(request.Request):
         effect_selection.check_no_accepted_error(
             scene, "applies to a mean speed, but ‹uncertain› reports the scatter of prints"
         )
-        walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
+        walker = Walker(scene, design, solids.mass_of(design)).with_run_settings(runs=self.draws)
         self._expect(lambda: run_time.total_time([walker]))
         measured = draws.measure(scene, design, self.draws, progress)
         result = uncertain_prints.make_report(measured, design, scene.name, self.out)
