@@ -45,8 +45,8 @@ Result = TypeVar("Result")
 async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
     """Run a module's main in a child process, and yield the events that it prints, each a line of JSON.
 
-    The child receives `sent` as a line of JSON. After a failure the last event is {"refused": lines}.
-    `running`: tasks of this server. Closing the iterator, or cancelling its task, ends the child.
+    The child receives `sent` as a line of JSON. After a failure, or if MAX_CHILDREN others run, the last event is
+    {"refused": lines}. `running`: tasks of this server. Closing the iterator, or cancelling its task, ends the child.
     """
     task = asyncio.current_task()
     assert task is not None
@@ -67,7 +67,7 @@ async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[
 
 
 async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
-    """Run a module's main in a child process and yield its events, as `run_module` does, without limit."""
+    """Run a module's main in a child process and yield its events, as `run_module` does, for any number of children."""
     try:
         child = await asyncio.create_subprocess_exec(
             sys.executable,
@@ -102,7 +102,7 @@ async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
 
 
 def _error_lines(printed: Sequence[str], code: int) -> list[str]:
-    """Return the error messages in the lines that a failed child printed on standard error. `code`: exit code."""
+    """Return the error messages in the lines that a failed child printed; without any, the last line and the code."""
     lines = [sentences.to_plain_text(line.removeprefix("error: ")) for line in printed if line.startswith("error: ")]
     return lines or [*printed[-1:], f"the command ended with exit code {code}"]
 
@@ -113,7 +113,7 @@ def send_event(event: Event, stream: Any = None) -> None:
 
 
 def progress_sender(stream: Any = None) -> Progress:
-    """Return a progress callback that sends events to the server, at least PAUSE_S apart."""
+    """Return a progress callback that sends events to the server. It drops reports within PAUSE_S of the last one."""
     sent_at = 0.0
 
     def send_progress(what: str, done: int, total: int) -> None:
@@ -146,7 +146,7 @@ def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
 
 
 async def run_until_disconnect(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
-    """Await work and return its result. If the page is closed or the server ends, cancel it and return None."""
+    """Await `work` and return its result. Cancel it and return None if `receive` (of ASGI) reports a closed page."""
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_wait_for_disconnect(receive))
     try:
         await asyncio.wait({working, gone}, return_when=asyncio.FIRST_COMPLETED)
@@ -170,7 +170,7 @@ async def stop_all(running: Running) -> None:
         await asyncio.wait(set(running))
 
 
-def receive_and_watch() -> Any:
+def receive_and_watch_server() -> Any:
     """Return the JSON value that the server sent to this child. Start a thread that ends the child with the server.
 
     The thread waits until standard input is closed, as happens when the server ends in any way.

@@ -25,7 +25,7 @@ def explain_arguments(document: Document, folder: Path) -> list[str]:
 
 
 def read_picture(document: Document, folder: Path) -> dict[str, str]:
-    """Return the figure of the effects below `folder` as a data URL. Raises InputError if there is none."""
+    """Return {"picture": data URL} with the figure of the effects below `folder`. Raises InputError without one."""
     path = _folder(document, folder) / "explain.png"
     try:
         data = path.read_bytes()[:MAX_PICTURE_BYTES]

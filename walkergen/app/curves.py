@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from walkergen.app.document import Document
-from walkergen.app.slider_ranges import nearest
+from walkergen.app.slider_ranges import nearest_buildable
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
 from walkergen.core.walker.design import Design
@@ -39,11 +39,11 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
     def with_tilt(tilt_deg: float) -> Design:
         return design.unmarked.variant(tilt_deg=tilt_deg)
 
-    low = nearest(with_tilt, design.tilt_deg, -steepest if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
+    low = nearest_buildable(with_tilt, design.tilt_deg, -steepest if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
     sections = (design.unmarked.variant(tilt_deg=low), scene)
     walker, ground = (section.model_dump_json(exclude_unset=True) for section in sections)
-    high = nearest(with_tilt, design.tilt_deg, steepest, TILT_TOLERANCE_DEG)
-    return _compute_curve(walker, ground, design.body.cache_key, low, high, rough) if low < high else None
+    high = nearest_buildable(with_tilt, design.tilt_deg, steepest, TILT_TOLERANCE_DEG)
+    return _compute_curve(walker, ground, design.body.key, low, high, rough) if low < high else None
 
 
 def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:

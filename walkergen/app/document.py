@@ -280,7 +280,7 @@ def shell_command(words: Sequence[str]) -> str:
 
 
 def python_code(document: Document) -> str:
-    """Return Python code that makes and predicts a page's walker."""
+    """Return Python code that loads a page's walker, prints its predicted speed and exports it."""
     design, scene = document.prefixed_values(""), document.prefixed_values("scene.")
     changed = f".variant(**{design!r})" if design else ""
     ground = f"wg.load({document.scene!r})" + (f".variant(**{scene!r})" if scene else "")

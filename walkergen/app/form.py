@@ -212,7 +212,7 @@ def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
 
 
 def _slider_range(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
-    """Return a slider's range for a key with limits `low` and `high`, narrowed around the value if that is too wide."""
+    """Return a slider's range within a key's limits, narrowed around its value; None without limits or value."""
     if low is None or high is None or value is None:
         return None
     if low < 0.0:

@@ -47,7 +47,10 @@ full address. Or press Ctrl-C there and start walkergen again. It then opens the
 
 
 def restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
-    """Return an ASGI application that passes to `app` only requests with Host in `hosts` and the same Origin."""
+    """Return an ASGI application that passes requests for these `hosts` to `app`, and adds headers for security.
+
+    It refuses requests with another Host, or with an Origin other than their Host.
+    """
 
     async def handle_request(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] != "http":

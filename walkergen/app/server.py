@@ -142,7 +142,7 @@ async def _send_start_data(server: Server, request: Request) -> Response:
             "about": about,
             "titles": sentences.TITLES,
             "table": TABLE_SCENE,
-            "new": kept is None and not server.rewrites,
+            "new": kept is None and not server.replaces_saved,
             "document": kept or server.first._asdict(),
             "fresh": server.first._asdict(),
         }
@@ -158,7 +158,7 @@ def _load_saved(server: Server) -> Any:
     except WalkergenError:
         return None
     same_files = document[:3] == server.first[:3] and server.first.values == START_VALUES
-    return kept if same_files or not server.rewrites else None
+    return kept if same_files or not server.replaces_saved else None
 
 
 async def _save_document(server: Server, request: Request) -> Response:

@@ -64,11 +64,21 @@ class _CleanupServer(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def serve(start: Document, anew: bool, folder: Path, host: str, port: int, browser: bool) -> None:
-    """Serve the page until Ctrl-C. It begins with the valid document `start`, or with the saved one.
+def serve(start: Document, replaces_saved: bool, folder: Path, host: str, port: int, browser: bool) -> None:
+    """Serve the page until Ctrl-C. Raises InputError for an unusable `host` or `port`.
 
-    `anew`: True to replace the saved document. `folder`: for all output. `browser`: True to open the page. Raises
-    InputError for an unusable `host` or `port`.
+    Parameters
+    ----------
+    start
+        Valid document that the page begins with, unless there is a saved one.
+    replaces_saved
+        True to begin with `start` even if there is a saved document, which it replaces.
+    folder
+        Folder for all output.
+    host, port
+        Address of this machine and port; port 0 for a free one.
+    browser
+        True to open the page.
     """
     own_file = None if start.walker in templates.names("walkers") else start.walker
     first = start._replace(values=servers.START_VALUES | dict(start.values))
@@ -76,7 +86,7 @@ def serve(start: Document, anew: bool, folder: Path, host: str, port: int, brows
     listening = _open_socket(host, port)
     port = listening.getsockname()[1]
     names = (host,) if remote else (host, *LOOPBACK)
-    served = servers.make_server(folder, _allowed_hosts(names, port), first, own_file, remote, anew)
+    served = servers.make_server(folder, _allowed_hosts(names, port), first, own_file, remote, replaces_saved)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
     address = f"http://{_bracket_ipv6(host)}:{port}/{path}"
     for workers in (served.steps, served.workers):

@@ -32,20 +32,34 @@ class Server(NamedTuple):
     """Separate processes for walkers, so that the steps of a slider never wait."""
     workers: Workers
     """Processes for all other slow work."""
-    rewrites: bool = False
+    replaces_saved: bool = False
     """True if the command line names a document, which replaces the saved one."""
     once: str | None = None
     """Secret in the address that opens the page once, for a phone; None for this machine alone."""
 
 
 def make_server(
-    folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
+    folder: Path, hosts: frozenset[str], first: Document, own: str | None, remote: bool, replaces_saved: bool = False
 ) -> Server:
     """Return the state of a new server with new secrets.
 
-    `first`: document that pages start with. `own`: file of its walker, None for a template. `away`: True if other
-    machines can reach the server. `anew`: True if `first` replaces the saved document.
+    Parameters
+    ----------
+    folder
+        Folder for all output.
+    hosts
+        Hosts, with ports, that pages may use as the server's address.
+    first
+        Document that pages start with.
+    own
+        File of this document's walker; None for a template.
+    remote
+        True if other machines can reach the server.
+    replaces_saved
+        True if `first` replaces the saved document.
     """
     place = PageFiles(folder / "uploads", own)
-    once = secrets.token_urlsafe(9) if away else None
-    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), anew, once)
+    once = secrets.token_urlsafe(9) if remote else None
+    return Server(
+        folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), replaces_saved, once
+    )

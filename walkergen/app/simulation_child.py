@@ -27,7 +27,7 @@ PLAYBACK_S = 3.0
 
 def main() -> int:
     """Simulate the walker in the document that the server sent, or only predict its speed; returns the exit code."""
-    sent = child_processes.receive_and_watch()
+    sent = child_processes.receive_and_watch_server()
     document = Document(**sent["document"])
     try:
         if sent["short"]:
@@ -42,7 +42,7 @@ def main() -> int:
 
 
 def _predict(design: "Design", scene: "Scene") -> None:
-    """Predict a walker that requires short runs. The result is cached for later requests."""
+    """Predict a walker by short runs, which caches its speed for later requests, and send the event "predicted"."""
     from walkergen.commands.predict import make
 
     make.predict(design, [design], scene, "coulomb", progress=child_processes.progress_sender())

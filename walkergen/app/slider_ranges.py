@@ -35,13 +35,13 @@ def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[fl
         if time.process_time() > end:
             break
         value, design_at = float(control.value), partial(_design_with, document, key)
-        low, high = (nearest(design_at, value, far, ERROR * abs(far - value)) for far in control.slider)
+        low, high = (nearest_buildable(design_at, value, far, ERROR * abs(far - value)) for far in control.slider)
         if high - low > MIN_RANGE_SHARE * (control.slider[1] - control.slider[0]):
             ranges[key] = (low, high)
     return ranges
 
 
-def nearest(design_at: Callable[[float], Design], near: float, far: float, error: float) -> float:
+def nearest_buildable(design_at: Callable[[float], Design], near: float, far: float, error: float) -> float:
     """Find the value nearest to `far` at which a walker can be built, by bisection from `near`, where it can be built.
 
     `design_at`: returns the design for a value. `error`: largest error of the result.

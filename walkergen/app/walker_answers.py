@@ -153,7 +153,7 @@ def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
 
 
 def trouble_picture(document: Document) -> dict[str, str]:
-    """Return a data URL with a picture of the body if legs find no room on it, missing room in red; else ""."""
+    """Return {"picture": data URL}: the body with missing room for legs in red; "" for a body with enough room."""
     from walkergen.commands.family import unsupported_body as drawing
     from walkergen.files import figures
 
@@ -218,7 +218,7 @@ def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
 
 
 def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
-    """Yield the positions of back and front feet with their percentage of the weight at rest; none for other legs."""
+    """Yield back and front feet: position and percentage of the weight at rest. None for other positions."""
     places = sorted({round(limb.along, 6) for limb in design.limbs})
     if len(places) != 2:
         return
@@ -230,5 +230,5 @@ def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, floa
 
 
 def part_name(document: Document) -> str:
-    """Return the name of the part's files."""
+    """Return the name of the page's walker in names of its files."""
     return names.part_name(document.load_design())

@@ -83,7 +83,7 @@ class Workers:
         self._idle.put(_start_worker())
 
     async def answer(self, work: Callable[..., Result], *arguments: Any) -> Result:
-        """Call `work` in a process and return its result. Cancelling ends the work. Raises WalkergenError."""
+        """Call `work` in a process and return its result, or raise its WalkergenError. Cancelling ends the work."""
         gone = threading.Event()
         try:
             running = self._threads.submit(self._answer, work, arguments, gone)

@@ -18,7 +18,7 @@ from walkergen.core.files.progress import Progress, part_progress
 
 def main() -> int:
     """Run the command lines that the server sent, one after another; returns the exit code."""
-    lines, stream = child_processes.receive_and_watch(), sys.stdout
+    lines, stream = child_processes.receive_and_watch_server(), sys.stdout
     send_progress = child_processes.progress_sender(stream)
     for number, words in enumerate(lines):
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a command leaves it ignored at its end
