@@ -43,7 +43,7 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
     sections = (design.unmarked.variant(tilt_deg=low), scene)
     walker, ground = (section.model_dump_json(exclude_unset=True) for section in sections)
     high = nearest_buildable(with_tilt, design.tilt_deg, steepest, TILT_TOLERANCE_DEG)
-    return _compute_curve(walker, ground, design.body.key, low, high, rough) if low < high else None
+    return _compute_curve(walker, ground, design.body.cache_key, low, high, rough) if low < high else None
 
 
 def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:

@@ -49,10 +49,10 @@ class Drawing(NamedTuple):
 
 
 def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
-    """Return the points on a curve, from its start to its end, such that no chord leaves it by `tolerance`.
+    """Return points on a curve, from its start to its end, whose chords are within `tolerance` of the curve.
 
     `curve` takes parameters of 0 to 1, shape (n,), and returns points (n, 2). Chords are halved
-    until those of the next round would stay within the tolerance, at most MAX_CHORDS times.
+    until the curve's points over their middles are within the tolerance, or there are MAX_CHORDS.
     """
     chords = MIN_CHORDS  # not one: the middle of an S lies on its chord
     while True:

@@ -1,4 +1,4 @@
-"""DXF drawings, by ezdxf: closed contours in mm out of people's files, polygons in mm into ours."""
+"""DXF drawings: closed contours in mm are read from users' files, and polygons in mm are written, with ezdxf."""
 
 import codecs
 import io
@@ -105,7 +105,7 @@ MAX_ENTITIES, MAX_BLOCK_DEPTH = 20_000, 16
 
 
 def pack(polygons: Sequence[Array]) -> bytes:
-    """Create a DXF file of polygons in mm: a closed polyline each, for laser cutters.
+    """Return the bytes of a DXF file of polygons in mm: a closed polyline each, for laser cutters.
 
     Equal polygons give equal bytes with one version of ezdxf: no date, no random identifier.
     Raises InputError where ezdxf is not installed.
@@ -138,7 +138,7 @@ def _fixed_metadata() -> Iterator[None]:
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Read the closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
+    """Read the closed contours of a DXF file's model space, in mm, as one shape. Every second one inward is a hole.
 
     Lines and curves that meet within MAX_END_GAP are joined, and shorter ones left out. Left out are also layers that
     are hidden or do not plot, ANNOTATIONS and, with a note, lines drawn twice and the frame of a sheet. `scale_mm` (mm
@@ -206,7 +206,7 @@ def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array]
 
 
 def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
-    """Drop the frame of a sheet of paper around all contours, and the border in it. Return the others and notes."""
+    """Return the contours without the frame of a sheet of paper around all others and the border in it, and notes."""
     notes: list[str] = []
     sheet = np.full(2, np.inf)  # width and height of the frame found last
     while (index := _find_frame(contours)) is not None:
@@ -238,7 +238,7 @@ def _find_frame(contours: Sequence[Array]) -> int | None:
 
 
 def _parse_document(data: bytes) -> "documents.Drawing":
-    """Parse the given bytes alone into a drawing: ezdxf opens files by their names.
+    """Parse the bytes of a DXF file with ezdxf, from a temporary copy: ezdxf opens files by their names.
 
     Raises InputError where ezdxf is not installed.
     """
@@ -257,7 +257,7 @@ def _parse_document(data: bytes) -> "documents.Drawing":
 
 
 def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> float:
-    """Return the millimetres per unit of the drawing, as $INSUNITS of the file states it."""
+    """Return the mm per unit of the drawing, from the file's $INSUNITS. Raises NoUnitError if it states none."""
     from ezdxf import units
 
     # Where a file has no header, ezdxf puts in its own, in metres: ask the file itself.
@@ -316,7 +316,7 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
 
 
 def _normalize_ellipse(ellipse: Any) -> Any:
-    """Let a complete ellipse begin at parameter 0, since programs write it from any start, and return it."""
+    """Let a complete ellipse begin at parameter 0, in place, and return it: programs begin it anywhere."""
     turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
     if abs(turns - round(turns)) < FULL_TURN_TOLERANCE:
         ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
@@ -343,7 +343,7 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
 
 
 def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Join open curves to contours. Return them with the closed ones, and notes. `size`: the drawing's longer side."""
+    """Return all contours, open curves joined to them, and notes on closed gaps. `size`: the drawing's longer side."""
     gap, contours, open_curves = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
@@ -375,7 +375,7 @@ def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[
 
 
 def _join_ends(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
-    """Join open curves whose ends lie within a gap. Return the chains, and the place and width of each joint."""
+    """Join open curves whose ends lie within a gap. Return the joined curves, and position and width of each joint."""
     from ezdxf import edgeminer
 
     if not curves:

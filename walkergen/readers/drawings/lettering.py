@@ -155,7 +155,7 @@ def _unite_rings(rings: list[Polygon]) -> list[Polygon]:
 
 
 def _font_path(font: Path | None, where: str) -> str:
-    """Return the path of a font's file, by default that of DejaVu Sans. Raises InputError for any other file."""
+    """Return the path of a font's file, by default that of DejaVu Sans. Raises InputError if it is not a font."""
     import matplotlib
     from matplotlib.ft2font import FT2Font
 

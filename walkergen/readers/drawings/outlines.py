@@ -1,4 +1,4 @@
-"""Outlines: shapes of bodies as polygons in mm, from numbers, points and people's drawings.
+"""Outlines: shapes of bodies as polygons in mm, from lengths, points and users' drawings.
 
 An outline is a list of polygons, shape (n, 2), mm, without a repeated last point: outer contours
 counter-clockwise, holes clockwise, the outer ones first. The middle of its bounding box is the
@@ -67,7 +67,7 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
 
 
 def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
-    """Return the outline through a person's points, mm, in either sense. The last is joined to the first.
+    """Return the outline with these corners, mm, in either sense of rotation. The last is joined to the first.
 
     Raises GeometryError, which begins with `source`, for fewer than three points, a repeated
     point, or an outline that `from_shapes` refuses.
@@ -110,7 +110,7 @@ def from_file(
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm` the
     length of the whole. Paths inside others are holes, and so on alternately, whatever their colours. In one SVG path,
     its fill rule decides. With `mend`, paths that cross or touch are united. If `connected`, there must be one piece.
-    Raises InputError for a file that cannot be read as such (shapes/svg.py, dxf.py, silhouette.py), NoUnitError for one
+    Raises InputError for a file that cannot be read as such (see svg.py, dxf.py and silhouette.py), NoUnitError for one
     that states no unit, GeometryError for a shape that `from_shapes` refuses. All begin with `source` = the name.
     """
     where = f"{source} = {path.name!r}"

@@ -1,4 +1,4 @@
-"""Drawings whose paths cross or touch, mended: united to contours that do neither, and pieces of an outline."""
+"""Union of drawn paths that cross or touch to contours that do neither, and the separate pieces of an outline."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -95,7 +95,7 @@ def _touching_points(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]"
 
 
 def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":
-    """Return the pieces of an outline, its outer contours with the holes in each, the largest first."""
+    """Return the separate pieces of an outline, each with its holes, the largest first. `plan`: its contours."""
     import shapely
 
     region: BaseGeometry = shapely.Polygon()

@@ -43,10 +43,10 @@ class Silhouette(NamedTuple):
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Return the contours of a picture's shape, in mm, y up. `scale_mm` is mm a pixel, at most MAX_SIDE_PIXELS a side.
+    """Return the contours of a picture's shape, in mm, y up. `scale_mm`: mm per pixel after its reduction.
 
-    Raises InputError, which begins with `source`, for what is no picture or shows no shape, and NoUnitError without a
-    scale.
+    Pictures with more than MAX_SIDE_PIXELS along a side are reduced to that. Raises InputError, which begins with
+    `source`, for what is no picture or shows no shape, and NoUnitError without a scale.
     """
     if scale_mm is None:
         raise NoUnitError(f"{source}: a picture has no size in mm. Set body.length_mm.")

@@ -1,4 +1,4 @@
-"""SVG drawings: closed contours in mm out of people's files, and polygons in mm into ours.
+"""SVG drawings: closed contours in mm are read from users' files, and polygons in mm are written.
 
 A file is read in three steps. The standard library parses the XML and fetches nothing.
 Style sheets become attributes (`svg_styles`). One walk of the tree finds the visible shapes
@@ -58,7 +58,7 @@ CLIP_TOLERANCE = 1e-6
 
 
 def pack(polygons: Sequence[Array]) -> bytes:
-    """Create an SVG file of polygons in mm, y up: one path, its size in mm, for laser cutters.
+    """Return the bytes of an SVG file of polygons in mm, y up: one path, its size in mm, for laser cutters.
 
     The page is the polygons' bounding box. Nothing is filled, and lines are a hundredth of a
     millimetre wide, which cutters take for a cut. Equal polygons give equal bytes.
@@ -158,7 +158,7 @@ def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
 
 
 def _parse_xml(data: bytes, source: str) -> ET.Element:
-    """Return the root of the XML. Raises InputError for entities from other files, or that could grow, unexpanded."""
+    """Parse the XML and return its root. Raises InputError if it is no SVG, or has entities beyond short text."""
 
     def refuse(what: str) -> NoReturn:
         """Raise InputError for content that is not accepted."""

@@ -26,7 +26,7 @@ BLACK = "black"
 
 
 class Paint(NamedTuple):
-    """Looks of a fill or a line."""
+    """Whether a fill or a line shows, and whether it is white."""
 
     shows: bool
     white: bool
@@ -42,7 +42,7 @@ def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
         return INVISIBLE
     if link := URL_PATTERN.match(text):
         if link[1] in targets:
-            return Paint(_is_server_visible(targets[link[1]], targets), white=False)
+            return Paint(_is_paint_visible(targets[link[1]], targets), white=False)
         text = text[link.end() :] or "none"  # what the file does not hold gives way to the colour after it
     return _parse_colour(text, style.get("color", BLACK))
 
@@ -58,8 +58,8 @@ def _parse_colour(text: str, current: str) -> Paint:
     return Paint(colour.alpha > 0.0, min(light) >= MIN_WHITE)
 
 
-def _is_server_visible(server: ET.Element, targets: Targets) -> bool:
-    """Return whether the element of a gradient has a visible stop, or that of a pattern any contents."""
+def _is_paint_visible(server: ET.Element, targets: Targets) -> bool:
+    """Return whether a gradient (element `server`) has a visible stop, or a pattern any contents, perhaps by links."""
     for _ in range(MAX_LINKS):
         gradient = local_name(server).endswith("Gradient")
         if parts := [part for part in server if not gradient or local_name(part) == "stop"]:

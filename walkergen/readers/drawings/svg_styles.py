@@ -112,7 +112,7 @@ def apply_styles(root: ET.Element, source: str) -> None:
 
 
 def _resolve_value(attributes: dict[str, str], key: str, custom: Mapping[str, str]) -> None:
-    """Replace attribute `key` in place: custom properties by their values, "initial" by the initial value."""
+    """Replace custom properties and "initial" in attribute `key` by their values, or delete it if "unset", in place."""
     text = attributes[key]
     if "var(" in text:
         attributes[key] = text = _substitute_variables(text, custom)

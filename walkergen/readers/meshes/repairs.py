@@ -190,7 +190,7 @@ def _orient_outward(mesh: Mesh) -> Whole:
 
 
 def _unite_bodies(mesh: Mesh) -> tuple[Mesh, str]:
-    """Unite bodies that overlap. Keep the largest if the others are crumbs."""
+    """Unite bodies that overlap. Keep only the largest if all others together are small (MAX_CRUMB_SHARE)."""
     edges = faults.faulty_edges(mesh.triangles)
     if any(len(pairs) for pairs in edges):
         return mesh, ""

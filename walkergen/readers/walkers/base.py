@@ -28,7 +28,7 @@ for legs whose feet are as far apart as `placing` requires."""
 
 
 def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
-    """Return the contour of a plate under an outline, in a list, and a mesh of the plate and the extruded outline.
+    """Return the contour of a base plate under an outline, in a list, and a mesh of plate and extruded outline.
 
     `thickness` is that of the whole mesh, mm, from z = 0. The middle of the contour's box is the origin of both.
     """
@@ -42,7 +42,7 @@ def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Arr
 
 
 def add_to_mesh(mesh: Mesh) -> Mesh:
-    """Return a mesh (y up) with a plate at its lowest level. Raises GeometryError for parts that float."""
+    """Return a mesh (y up) with a base plate at its lowest level. Raises GeometryError for parts that float."""
     import shapely
 
     low, high = mesh.vertices[:, 1].min(), mesh.vertices[:, 1].max()

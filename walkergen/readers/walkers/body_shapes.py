@@ -124,7 +124,7 @@ def _text_plan(body: Body) -> Plan:
 
 
 def _read_plan(body: Body, path: Path) -> Plan:
-    """Return the outline of a drawing or a picture at `path`."""
+    """Read the outline of a drawing or a picture, scaled as the body's keys state. Specks are dropped, with a note."""
     import shapely
 
     if path.suffix.lower() not in outlines.READERS:

@@ -51,7 +51,7 @@ def cut_letters(body: Mesh, design: Design) -> Mesh:
 
 
 def _text_polygons(design: Design, length: float, height: float) -> list[Polygon]:
-    """Return the outlines of the marks' text, which fits a face of this length and height, mm. Raises GeometryError."""
+    """Return the outlines of the marks' text. Raises GeometryError if it does not fit a face of this size, mm."""
     mark, source = design.marks, _mark_key(design)
     polygons = text_outline(design.letters, mark.text_height_mm or 0.5 * height, connected=False, source=source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)

@@ -28,7 +28,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 @lru_cache(maxsize=1024)
 def extend_legs(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
-    """Return legs that go up to the underside of a body, given as JSON. Raises GeometryError for legs that miss it."""
+    """Return the legs, extended to the underside of a body (JSON). Raises GeometryError for legs that miss the body."""
     prepared = prepare_body(body)
     return tuple(_extend_leg(prepared, limb, number) for number, limb in enumerate(limbs, start=1))
 

@@ -60,7 +60,7 @@ class CutWalker(NamedTuple):
     """Walker before the cut."""
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
-        """Return its legs with all their numbers. `depth` is that of the body, mm. Raises GeometryError."""
+        """Return the legs as limbs of a design. `kind`: of all legs. `depth`: of the body, mm. Raises GeometryError."""
         return tuple(_to_limb(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
 
 
@@ -90,7 +90,7 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
 
 
 def centre_on_body(cut: CutWalker) -> CutWalker:
-    """Move a walker into the design's frame, that of its body's box."""
+    """Return the walker moved into the design's frame: x and y from the middle of its body's box, z from 0 on."""
     low, high = cut.body.vertices.min(axis=0), cut.body.vertices.max(axis=0)
     shift = -0.5 * (low + high)
     shift[2] = -low[2]
@@ -107,7 +107,7 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
 
 
 def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
-    """Return a leg of a finished walker, whose body is `depth` mm deep, with all its numbers. Its foot counts as flat.
+    """Convert a leg of a finished walker, whose body is `depth` mm deep, to a Limb. Its foot counts as flat.
 
     Raises GeometryError for a leg with a brace that is declared flexible.
     """

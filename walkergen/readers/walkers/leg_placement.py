@@ -57,7 +57,7 @@ DECIMALS = 6
 
 
 class UnplacedError(GeometryError):
-    """Body under which no legs stand."""
+    """No legs can be placed under the body so that the walker stands."""
 
     body: Body
     legs: Legs
@@ -133,7 +133,7 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
 
 
 def available_space(body: Body, legs: Legs) -> LegSpace:
-    """Return the space for legs under a body. Raises GeometryError for a body without a shape."""
+    """Return the space for legs (with their tilt) under a body. Raises GeometryError for a body without a shape."""
     import shapely
 
     size = shape_of(body).size

@@ -109,7 +109,7 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
 
 
 def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
-    """Return two outer rows, with rows between them if they are far apart. Arguments as for `_widest_rows`."""
+    """Return two outer rows, with others between if far apart. `inner`: area for legs. `across`: their middle."""
     back, front = outer
     number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
     positions = np.linspace(back.along, front.along, number + 1)[1:-1]
@@ -133,7 +133,7 @@ def _widest_rows(inner: "BaseGeometry", positions: Array, across: float, reach: 
 
 
 def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Return a row of legs in wide pieces, (low, high) across, or None if they do not enclose the centre `across`."""
+    """Return a row with a leg in each piece (low, high) that is wide enough; None unless they enclose `across`."""
     wide_pieces = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
     if not wide_pieces or not wide_pieces[0][0] <= across <= wide_pieces[-1][1]:
         return None

@@ -107,7 +107,7 @@ def _foot_position(limb: Limb, lean: float) -> Array:
 
 
 def _standing_leg(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
-    """Return the keys of a leg after the turn. `middle` is that of the turned body and `bottom` its underside, mm."""
+    """Return a leg's data after the turn by `lean`. `middle`, `bottom`: middle and underside of the turned body, mm."""
     tilt = limb.tilt - lean
     anchor, foot = _rotate(np.array(limb.anchor), lean) - middle, _foot_position(limb, lean) - middle
     end = anchor[1] - limb.length * math.cos(tilt)

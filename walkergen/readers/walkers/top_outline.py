@@ -49,7 +49,7 @@ def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array
 
 
 def area_of(outline: Sequence[Array]) -> float:
-    """Return the area within an outline's contours, mm^2, which do not overlap."""
+    """Return the area within the contours of an outline, mm^2. They do not overlap."""
     return float(sum(area(contour) for contour in outline))
 
 
