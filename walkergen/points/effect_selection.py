@@ -31,7 +31,7 @@ class UntilDecided(NamedTuple):
         return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
     def request_more(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
-        """Return the measurement with twice as many pairs requested; None if decided, without error, at MAX_PAIRS."""
+        """Return the measurement with twice as many pairs requested; None if decided, undecidable, or at MAX_PAIRS."""
         change = measured.experiment.changes(measured.records)[0].speed
         decided = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
         return None if decided or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)

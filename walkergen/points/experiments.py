@@ -29,7 +29,7 @@ MIN_STEP_US = 0.05
 
 
 class Walker(NamedTuple):
-    """Walker in a scene: an experiment (`points.measure`) whose runs are independent drops of it."""
+    """Walker in a scene: an experiment (`core.measure`) whose runs are independent drops of it."""
 
     scene: Scene
     design: Design

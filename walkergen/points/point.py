@@ -31,13 +31,13 @@ class PointStatus(StrEnum):
 
     OK = "ok"
     REFUSED = "refused"
-    """It cannot be built, or simulated."""
+    """The point cannot be built, or simulated."""
     NO_SPEED = "no speed"
     RUNS_ENDED_BADLY = "some runs ended badly"
     WALKERS_ENDED_BADLY = "some walkers ended badly"
     UNBALANCED = "energy error"
     NOT_MET = "error not met"
-    """Its error is larger than requested, or unknown."""
+    """The error of its speed is larger than requested, or unknown."""
 
 
 WENT_KEY, STATUS_KEY, REASON_KEY = "went", "status", "reason"
@@ -51,9 +51,9 @@ class Point(NamedTuple):
     scene: Scene
     """Scene, with the runs to simulate."""
     simulated: bool = False
-    """False for the prediction alone."""
+    """True to simulate it; False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
-    """Requested groups of `alone.GROUPS`. Without any, a simulated point is its runs alone: its key
+    """Requested groups of numbers. Without any, a simulated point has only the numbers of its runs: its key
     then does not depend on how speeds are predicted."""
     wanted: Tolerance | None = None
     """Requested error that ends the adding of runs; None for the runs of the scene."""

@@ -81,7 +81,7 @@ def total_time(walkers: Sequence[Walker]) -> Expected | None:
 
 
 class ErrorWithEstimate(NamedTuple):
-    """Runs until an error is met, with a callback for the remaining time after the first runs."""
+    """Rule that adds runs until an error is met, and reports the remaining time after the first runs."""
 
     until: UntilError
     expect: Expect = ignore_estimate
@@ -92,7 +92,7 @@ class ErrorWithEstimate(NamedTuple):
         return self.until.first_runs
 
     def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return the measurement with more runs requested or a finer experiment; None if met, or if neither helps.
+        """Return the measurement with more runs requested or a finer experiment; None if the error is met or stays.
 
         After the first runs, call `expect` with a function that estimates the remaining time.
         """

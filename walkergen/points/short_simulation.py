@@ -109,12 +109,12 @@ def _simulate_runs(walker: Walker, progress: Progress) -> Record:
 
 
 def _with_short_runs(walker: Walker) -> Walker:
-    """Return the walker with runs long enough for its speed as designed."""
+    """Return the walker with runs of at most MAX_RUN_S, shorter with many legs, for its speed as designed."""
     return walker.with_run_settings(seconds=min(walker.scene.run.seconds, MAX_RUN_S * _run_length_ratio(walker)))
 
 
 def _estimate_cpu_s(walker: Walker) -> float:
-    """Return an upper limit of the CPU time of a short simulation with FIRST_RUNS runs, from its steps, s."""
+    """Return an upper limit, from the number of time steps, of the CPU time of a simulation with the fewest runs, s."""
     run = _with_short_runs(walker).scene.run
     prints_s = PRINT_DISCARD_S + PRINT_S * _run_length_ratio(walker)
     simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
@@ -181,7 +181,10 @@ def _simulate_prints(walker: Walker, progress: Progress) -> Record:
 
 
 def speed_from_record(record: Record, scene: Scene) -> PredictedSpeed | None:
-    """Return a record's speeds, over prints with the model's error; None without speed or if half of the runs fell."""
+    """Return the speeds of a record, as designed and over prints; None without a speed, or if half of the runs fell.
+
+    Bounds over prints include the model's own error. All bounds include the change by effects that are left out.
+    """
     value, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
     if value is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
         return None

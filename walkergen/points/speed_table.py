@@ -188,7 +188,7 @@ def _folded_walkers(walkers: Sequence[Member]) -> list[Member]:
 
 
 def _notes(walkers: Sequence[Member]) -> list[str]:
-    """Return the distinct notes on walkers with a row in the table, in its order."""
+    """Return the distinct notes on walkers with a row in the table, in the order of the rows."""
     standing = {id(member) for member in _folded_walkers(walkers)}  # equality compares designs and meshes
     shown = [member.row for member in walkers if id(member) not in standing]
     alone = _has_theory_alone(walkers)

@@ -159,9 +159,16 @@ def _to_results(measured: Measured[Walker]) -> Results:
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
-    """Return the tracks of runs, seen from above. `interval`: time between samples, s; None for the ends of blocks.
+    """Return the tracks of runs, seen from above.
 
-    `lane`: True if only the position along a lane counts.
+    Parameters
+    ----------
+    results
+        Finished runs.
+    lane
+        True if only the position along a lane counts.
+    interval
+        Time between the runs' samples, s; None for the positions at the ends of the runs' blocks.
     """
     if interval is None:
         return from_positions([result.places for result in results], results[0].block_s, lane)
