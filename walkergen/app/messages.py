@@ -112,7 +112,7 @@ async def read_body(request: Request, max_bytes: int = MAX_MESSAGE_BYTES) -> byt
 
 
 def json_response(data: Any, status: int = 200) -> Response:
-    """Return data as JSON."""
+    """Return a response with data as JSON text, and this HTTP status."""
     text = json.dumps(data, allow_nan=False, ensure_ascii=False)
     return Response(text.encode(errors="replace"), status, media_type="application/json")
 

@@ -218,7 +218,7 @@ def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
 
 
 def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
-    """Yield back and front feet: position and percentage of the weight at rest. None for other positions."""
+    """Yield position and percentage of the weight of back and front feet; nothing unless feet have two positions."""
     places = sorted({round(limb.along, 6) for limb in design.limbs})
     if len(places) != 2:
         return
