@@ -91,7 +91,7 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     bare = wg.track(path, markers="aruco", out=tmp_path / "bare")
     (told,) = (line for line in bare.warnings if "The lens distorts" in line)
     assert "smaller" in told
-    bend, away_px = marker_warnings.lens_bend(bare.found)
+    bend, away_px = marker_warnings.edge_size_change(bare.found)
     share, away = bend.value, (away_px / NEAR.focal) ** 2
     assert share == pytest.approx(-2 * 0.1 * away, rel=0.4)  # (1 + k1 r2)(1 + 3 k1 r2), its root
     own = write(tmp_path / "lens.json", of(NEAR, -0.1, 3))
@@ -111,7 +111,7 @@ def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
-    bend, _ = marker_warnings.lens_bend(made.found)
+    bend, _ = marker_warnings.edge_size_change(made.found)
     assert abs(bend.value) < min(0.003, 3.0 * bend.se)
 
 

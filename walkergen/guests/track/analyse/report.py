@@ -158,12 +158,12 @@ def _walker_table(motion: Motion) -> Table:
 
 
 def _walker_cell(name: str, by_number: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
-    """Return a function that formats the estimate `name` of the walker of a row, whose first cell is its number."""
+    """Return a function that formats the estimate `name` of a row's walker. The row begins with its particle number."""
     return lambda row: quantity_format.format_value(by_number[row[0]].mean(name))
 
 
 def _describe_line(motion: Motion) -> Iterator[str]:
-    """Yield a description of the line through the origin, for tracks at several plate speeds."""
+    """Yield a text on the line of speed against plate speed; nothing unless the motion has such a line."""
     line = motion.line
     if line is None:
         return

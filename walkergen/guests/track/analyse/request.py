@@ -105,7 +105,7 @@ class AnalyseRequest(request.Request):
                 raise InputError(error.text.replace(str(path), UNNAMED_TRACKS), "tracks") from None
 
     def _parse_walls(self) -> "Dish | None":
-        """Return the dish with the given walls; None without the setting."""
+        """Return the walls of the setting `arena` as a dish; None without it."""
         from walkergen.core import dish
 
         return None if self.arena is None else dish.OPEN_GROUND if self.arena == "open" else dish.parse_dish(self.arena)

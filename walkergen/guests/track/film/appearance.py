@@ -94,7 +94,7 @@ class Appearance(NamedTuple):
         return np.asarray(slope * gain, np.float32)
 
     def _light_and_gain(self, frame: Grey) -> tuple[float, Floats]:
-        """Return the frame's brightness over `picture`'s, and for each pixel the factor from brightness to contrast."""
+        """Return the lamp's brightness in a frame over that in `picture`, and factors from brightness to contrast."""
         step = max(1, int(np.sqrt(frame.size / MEDIAN_PIXELS)))
         few = np.s_[::step, ::step]
         lamp = float(np.median(frame[few] / np.maximum(self.picture[few], 1.0)))

@@ -108,12 +108,12 @@ def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
 
 
 def _undistort(seen: Track, lens: Lens | None, part: Box) -> Track:
-    """Correct a walker for the lens, if any. `part`: searched part of the frame, from whose corner its pixels count."""
+    """Return a walker corrected for the lens, if any. Its blobs count from the corner of `part`, the searched part."""
     return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
 def _walker_length(linked: Linked, straight: Sequence[Track]) -> float:
-    """Return the length of a walker (pixels). `straight`: `linked.walkers` corrected for the lens."""
+    """Return the length of a walker (pixels), corrected for the lens. `straight`: `linked.walkers` so corrected."""
     raw, true = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
     return linked.length * float(np.median(true / raw))
 

@@ -1,8 +1,7 @@
 """Films: grey frames of a file or of a folder of pictures, one by one, by the ffmpeg that the extra `film` installs.
 
-ffmpeg sends them as YUV4MPEG2, whose first line says size and rate in a machine's words, and writes
-the time at which each is shown to a file. Films of varying frame rate, as phones make them, keep
-their own times: no frame is repeated or left out.
+ffmpeg sends the frames as YUV4MPEG2, whose header has size and rate, and writes the time of each frame to a file.
+Films of varying frame rate, as phones make them, keep these times: no frame is repeated or left out.
 """
 
 import os
@@ -87,7 +86,7 @@ class Clock(NamedTuple):
 
     @property
     def in_words(self) -> str:
-        """Rate of frames, and their distance in time if it varies, as text."""
+        """Frame rate as text and, if it varies, the shortest and longest time between frames."""
         rate = f"{formatting.format_number(self.fps, 4)} frames a second"
         if self.regular:
             return rate
@@ -138,7 +137,7 @@ def _parse_ratio(text: bytes) -> Fraction:
 
 @contextmanager
 def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progress) -> Iterator[Reel]:
-    """Yield a Reel of the frames from number `frames[0]` to `frames[1]` - 1, or the end if None, cropped to `part`."""
+    """Open a film and yield its `Reel`: frames `frames[0]` to `frames[1]` - 1 (None: the end), cropped to `part`."""
     first, last = frames
     count = len(film.pictures) or round(film.seconds * (film.fps or 0.0))
     expected = max((count if last is None else last) - first, 1)
@@ -196,10 +195,31 @@ def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", mes
 
 
 def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
-    """Find the times of the frames that were played: the container's, or of a constant rate that fits them.
+    """Return the times of the frames that were played.
 
-    `stamps`: file of times that ffmpeg wrote. `filmed_fps`: rate at which it was filmed, if it plays slower, so that
-    times shrink. Raises InputError if the film has no times.
+    If the film's stated or mean rate fits the times that ffmpeg wrote, times are evenly spaced at that rate. Otherwise
+    they are those that ffmpeg wrote. A folder of pictures has no times, nor has a film of one frame or with times that
+    do not increase: theirs are evenly spaced at `filmed_fps`.
+
+    Parameters
+    ----------
+    film : Film
+        Film with its stated rate.
+    stamps : Path
+        File of the times that ffmpeg wrote.
+    filmed_fps : float or None
+        Frames per second when filmed, of a slow-motion film: times are rescaled to this mean rate. None if the film
+        plays as fast as it was filmed.
+
+    Returns
+    -------
+    Clock
+        Times, and their rate.
+
+    Raises
+    ------
+    InputError
+        If the film has no times and `filmed_fps` is None.
     """
     lines = [line.split() for line in stamps.read_text().splitlines()]
     unit = Fraction(lines[0][1]) if lines else Fraction(0)
@@ -225,7 +245,7 @@ def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
 def _run_ffmpeg(
     path: Path, shots: Sequence[Path], more: Sequence[str] = ()
 ) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
-    """Run ffmpeg on a film or on the pictures `shots`, with `more` options. Yield its process and messages."""
+    """Run ffmpeg on a film or on pictures `shots`, with `more` options. Yield its process and file of messages."""
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
@@ -236,7 +256,7 @@ def _run_ffmpeg(
         options += ["-f", "concat", "-safe", "0"]
     grey = ["-map", "0:v:0", "-pix_fmt", "gray", *more, "-f", "yuv4mpegpipe", "-strict", "-1", "-"]
     with (
-        pictures.list_file(shots) if shots else nullcontext(os.path.realpath(path)) as source,
+        pictures.write_list(shots) if shots else nullcontext(os.path.realpath(path)) as source,
         tempfile.TemporaryFile() as messages,
         subprocess.Popen(
             [program, *options, "-i", str(source), *grey],

@@ -67,7 +67,7 @@ def find_headings(walker: Track, by: By) -> Headings:
 
 
 def _no_heading(walker: Track, why: str) -> Headings:
-    """Return unknown headings, with the reason."""
+    """Return headings that are all NaN, with the reason `why`."""
     return Headings(np.full(len(walker.frames), np.nan), why)
 
 

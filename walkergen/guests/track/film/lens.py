@@ -45,7 +45,7 @@ class Lens(NamedTuple):
     distortion: tuple[float, ...]
 
     def for_film(self, width: int, height: int) -> "Lens":
-        """Scale the lens to pictures of another size. Raises InputError for those of another shape."""
+        """Return the lens for pictures of another size (pixels). Raises InputError if their shape differs."""
         if abs(width * self.height / (height * self.width) - 1.0) > ASPECT_TOLERANCE:
             raise InputError(
                 f"‹lens›: calibrated with pictures of {self.width} x {self.height}, the film has "
@@ -121,7 +121,7 @@ class Lens(NamedTuple):
 
 
 def read_lens(path: Path) -> Lens:
-    """Read a lens from a file. Raises InputError if something is missing, or it is no lens."""
+    """Read a lens from a JSON file of its calibration. Raises InputError for missing or impossible numbers."""
     data = file_reading.read_json(path, MAX_BYTES)
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")

@@ -51,7 +51,7 @@ class Linked(NamedTuple):
 def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     """Link the blobs in frames number `first`, `first` + 1 ... into walkers. `fps`: frames per second.
 
-    Raises InputError when nothing was found for long enough, or too much to tell apart.
+    Raises InputError if no object is seen for long enough, or if objects are too close to distinguish.
     """
     blobs = [blob for frame in frames for blob in frame]
     if not blobs:

@@ -76,7 +76,7 @@ def track(film: Film, part: Box, request: TrackFields, lens: Lens | None, progre
     seen, clock, picture, mirrored = _read_markers(film, part, request, progress)
     first, (side, side_se) = request.frames[0], request.marker_mm or (MARKER_MM, None)
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
-    tracks, twice, rare = _sort_by_number(seen, first)
+    tracks, twice, rare = _group_by_number(seen, first)
     corrected = {key: corners if lens is None else lens.undistort(corners) for key, (_, corners) in tracks.items()}
     flat = plane.fit_plane(np.concatenate([*corrected.values()]), side, film.width, film.height)
     walkers, straight, bent = list[Walker](), list[Array](), dict[int, int]()
@@ -164,19 +164,19 @@ def _no_marker_reason(mirrored: list[int], count: int) -> str:
     )
 
 
-class _Sorted(NamedTuple):
-    """Markers of a film by their numbers."""
+class _Grouped(NamedTuple):
+    """Tracks of a film's markers, and the markers that have none."""
 
     tracks: dict[int, tuple[Whole, Array]]
-    """Frame numbers, ascending, and corners of each walker's marker, by its number."""
+    """Frame numbers, ascending, and corners of each walker's marker, by marker number."""
     twice: dict[int, int]
     """Number of frames that show a marker number at two places, by this number, which is left out."""
     rare: dict[int, int]
     """Number of frames, by marker number, of markers that were read too rarely."""
 
 
-def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
-    """Sort the markers of frames, numbered from `first` on, by their numbers. Raises InputError without a walker."""
+def _group_by_number(seen: list[Sighted], first: int) -> _Grouped:
+    """Group the markers seen in each frame, from frame `first` on, by number. Raises InputError without a track."""
     frames: dict[int, list[int]] = defaultdict(list)
     corners: dict[int, list[Array]] = defaultdict(list)
     double: Counter[int] = Counter()
@@ -203,11 +203,11 @@ def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
     rare = {number: len(frame_numbers) for number, frame_numbers in once.items() if 0 < len(frame_numbers) < least}
     if not tracks:
         raise InputError(_no_walker_reason(twice, rare, least, len(seen)))
-    return _Sorted(tracks, twice, rare)
+    return _Grouped(tracks, twice, rare)
 
 
 def _no_walker_reason(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
-    """Return the reason why no marker is read in `least` of `count` frames. `twice`, `rare`: see `_Sorted`."""
+    """Return the reason why no marker is read in `least` of `count` frames. `twice`, `rare`: see `_Grouped`."""
     if twice:
         return (
             f"marker {', '.join(map(str, list(twice)[:10]))} is seen in two places in "

@@ -107,8 +107,8 @@ def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 def _lens_warnings(found: Marked) -> Iterator[str]:
     """Yield warnings of lens distortion, and of a tilted camera."""
-    flat, (bend, away_px) = found.plane, lens_bend(found)
-    share, error = bend.pair
+    flat, (change, away_px) = found.plane, edge_size_change(found)
+    share, error = change.pair
     if abs(share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * error):
         size = "smaller" if share < 0.0 else "larger"
         yield (
@@ -125,10 +125,10 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
         yield f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {MAX_TILT_DEG:g} deg"
 
 
-def lens_bend(found: Marked) -> tuple[Quantity, float]:
-    """Return the relative change of markers' sides farthest from the picture's middle, and that distance (pixels).
+def edge_size_change(found: Marked) -> tuple[Quantity, float]:
+    """Return the relative change of markers' sides from the picture's middle to the farthest marker, and its distance.
 
-    The change grows with the distance squared. The plane already corrects perspective, which is a linear change.
+    The change grows with the distance (pixels) squared. The plane already corrects perspective, a linear change.
     """
     corners = np.concatenate(found.straight)
     sides = found.plane.to_mm(corners)
@@ -208,7 +208,7 @@ def _lost_warnings(tracked: Tracked) -> Iterator[str]:
 
 
 def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
-    """Yield a warning about missing numbers between those that were read, if most others were read."""
+    """Yield a warning about markers that were never read, if most numbers between the lowest and the highest were."""
     out = found.left_out
     numbers = {walker.number for walker in tracked.walkers}
     read = numbers | set(out.twice) | set(out.rare) | set(out.mirrored)
@@ -222,7 +222,7 @@ def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 
 def _format_counts(frames: Mapping[int, int]) -> str:
-    """Format numbers of frames, by the number of the marker, as in "3 in 12, 7 in 2 ..."."""
+    """Format marker numbers, each with its number of frames, as in "3 in 12, 7 in 2 ..."."""
     named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:MAX_NAMES])
     return named + (" ..." if len(frames) > MAX_NAMES else "")
 

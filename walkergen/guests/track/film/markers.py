@@ -111,9 +111,10 @@ def _refine_once(frame: Grey, squares: Array) -> Array:
 
 
 def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
-    """Fit lines robustly through the shifts of edges. Return their offset in the middle, and slope, of shape (n, 4).
+    """Fit lines robustly to the edges of markers. Return their offset in the middle, and slope, of shape (n, 4).
 
-    `along`: places, shape (p,). `shift` and `good` (whether to use it): shape (n, 4, p). Lengths are over a side's.
+    `along`: places along a side, shape (p,). `shift`: the edge's shifts there, shape (n, 4, p). `good`: whether to use
+    a shift. All lengths are divided by that of the side.
     """
     weights = good.astype(float)
     for _ in range(3):
@@ -130,7 +131,7 @@ def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
 
 
 def _intersect_lines(normal: Array, point: Array) -> Array:
-    """Return the corners where the line of each side, by normal and point, meets the line before. Shapes: (n, 4, 2)."""
+    """Return the corners where the line of each side, by normal and point, meets that of the side before. (n, 4, 2)."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)

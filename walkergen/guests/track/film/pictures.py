@@ -38,7 +38,7 @@ def list_pictures(folder: Path) -> tuple[Path, ...]:
 
 
 def _check_same(folder: Path, quality: str, counts: Counter[str]) -> None:
-    """Raise InputError if pictures differ in a quality, such as sizes. `counts`: number of pictures by its value."""
+    """Raise InputError if pictures differ in a `quality`, such as "sizes". `counts`: pictures with each value of it."""
     if len(counts) > 1:
         seen = ", ".join(f"{number} of {name}" for name, number in counts.most_common(3))
         raise InputError(f"{folder}: {quality} differ: {seen}; leave only the frames of one film there")
@@ -51,8 +51,8 @@ def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
 
 
 @contextmanager
-def list_file(pictures: Sequence[Path]) -> Iterator[Path]:
-    """Yield a temporary file that lists pictures for ffmpeg. Raises InputError for a line break in a name."""
+def write_list(pictures: Sequence[Path]) -> Iterator[Path]:
+    """Write a temporary list of pictures for ffmpeg. Yield its path. Raises InputError for a line break in a name."""
     names = [str(path.resolve()) for path in pictures]
     if broken := next((name for name in names if "\n" in name), None):
         raise InputError(f"{broken!r}: a line break in its name: rename it")

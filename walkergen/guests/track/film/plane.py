@@ -76,7 +76,7 @@ class Plane(NamedTuple):
         return np.asarray(self.mm_per_px / np.abs(near) ** 1.5)
 
     def _to_centred(self, pixels: Array) -> Array:
-        """Return points relative to the middle of the frame, over `half`, y up."""
+        """Return points of the picture, pixels, relative to the middle of the frame, divided by `half`, y up."""
         return np.asarray((pixels - self.middle) * (1.0, -1.0) / self.half)
 
 
@@ -138,7 +138,7 @@ def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
 
 
 def is_square(off_px: Array) -> Mask:
-    """Return which markers are squares in the plane, from their residuals, shape (n,); others are misread, or lean."""
+    """Return which markers are squares in the plane, from `Pose.off_px`, shape (n,). Others are misread, or lean."""
     return np.asarray(off_px <= max(RESIDUAL_FACTOR * float(np.median(off_px)), MIN_RESIDUAL_PX))
 
 

@@ -62,7 +62,7 @@ def path_length(places: Array, noise: float) -> float:
 
 
 def truncation_warnings(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
-    """Return a warning for a film that ends early, if it was read to its end."""
+    """Return a warning if a film that was read to its end (`frames[1]` None) is shorter than stated; else []."""
     end, announced = clock.played_s, film.seconds
     if frames[1] is not None or end >= MIN_READ_SHARE * announced - READ_MARGIN_S:
         return []
