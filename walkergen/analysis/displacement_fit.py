@@ -90,7 +90,7 @@ class DisplacementFit(NamedTuple):
         )
 
     def regime(self, lag: float) -> str:
-        """Describe the growth of squared displacements up to a lag (s), by the fit without noise."""
+        """Describe in words whether fitted squared displacements are still ballistic at a lag (s)."""
         spread = self.spreads[0]._replace(offset=0.0)
         near, far = persistent_walk.squared_displacement(np.array([lag / EXPONENT_LAG_RATIO, lag]), spread)
         exponent = math.log(far / near) / math.log(EXPONENT_LAG_RATIO) if far > 0 and near > 0 else math.nan
@@ -150,9 +150,9 @@ def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier:
 
 
 def _replicate_errors(values: Array) -> Array:
-    """Return standard errors for each row of `values`, of the same shape.
+    """Return the standard errors of each row of `values`, of the same shape.
 
-    Each row has its own, because the jackknife must include the scatter of the weights.
+    Every row has errors of its own, because the jackknife must include the scatter of the weights.
     """
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
@@ -184,7 +184,7 @@ def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Seque
 
 
 def _is_negative(replicates: Sequence[float]) -> bool:
-    """Return whether a number is below 0 beyond chance: its value for all samples, then without each one."""
+    """Return whether a number is significantly below 0. `replicates`: of all samples, then without each one."""
     error = float(statistics.jackknife_error(np.array(replicates[1:])[:, None])[0])
     return replicates[0] < -student_quantile(len(replicates) - 2, 1.0 - INERTIA_P_VALUE) * error
 

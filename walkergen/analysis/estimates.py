@@ -1,6 +1,6 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused.
 
-`sums` are the `Moments` of some tracks, `frame` the settings that turn these into `numbers`: values by name.
+`sums` are the `Moments` of some tracks, `Settings` turn these into `numbers`: values by name.
 """
 
 import math
@@ -99,7 +99,7 @@ NO_SLOPE_REASON = "no slope is known, which alone shows it"
 """Reasons of refusals that no better film would change; tables leave such lines out."""
 
 
-class Frame(NamedTuple):
+class Settings(NamedTuple):
     """Settings that turn sums into numbers, the same for all data and for every replicate."""
 
     grid: Grid
@@ -112,7 +112,7 @@ class Frame(NamedTuple):
     """Time of the measurement of the mean turning, or in a lane the mean speed, that is subtracted from
     each walker, s; infinite without a subtraction."""
     memory: bool
-    """Whether rates of turning last for a while, so that headings lose direction late."""
+    """Whether turning noise has a correlation time (a memory), so that headings lose direction late."""
     memory_open: bool
     """Whether the data neither show such a memory nor exclude it: `memory` is then False."""
     square_errors: Array
@@ -149,21 +149,21 @@ def refusal(name: str, reason: str) -> Quantity:
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
-    """Return sums over numbers of pairs; NaN if there are no pairs. Both have the same shape."""
+    """Return means: `sums` divided by the numbers of `pairs`, of the same shape; NaN where there are no pairs."""
     return np.where(pairs > 0, sums / np.maximum(pairs, 1.0), np.nan)
 
 
-def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Return all numbers by name. NaN: without a meaning or a fit, or, on a plane, left to `from_spread`."""
+def evaluate(sums: Moments, settings: Settings) -> dict[str, float]:
+    """Compute the numbers of sums, by name. NaN: without meaning or fit, or added by `from_spread` (on a plane)."""
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
-    numbers["lane_speed"] = _ratio_or_nan(sums.run) / frame.interval
+    numbers["lane_speed"] = _ratio_or_nan(sums.run) / settings.interval
     _add_moments(numbers, "parallel", sums.along)
     _add_moments(numbers, "orthogonal", sums.across)
-    if frame.lane:
+    if settings.lane:
         numbers["speed"], numbers["shortened"] = numbers["lane_speed"], 1.0
-        _fit_dispersion(numbers, sums, frame)
+        _fit_dispersion(numbers, sums, settings)
     else:
-        _fit_persistence(numbers, sums, frame)
+        _fit_persistence(numbers, sums, settings)
     return numbers
 
 
@@ -172,34 +172,34 @@ def _ratio_or_nan(sum_and_count: Array) -> float:
 
 
 def _add_moments(numbers: dict[str, float], name: str, powers: Array) -> None:
-    """Add the mean and standard deviation of displacements; `powers`: their number, sum and sum of squares."""
+    """Add mean and sd of displacements to `numbers`, as `name`_mean and `name`_sd. `powers`: see `Moments.along`."""
     count, first, second = powers
     if count > 1:
         numbers[f"{name}_mean"] = first / count
         numbers[f"{name}_sd"] = math.sqrt(max(second / count - (first / count) ** 2, 0.0))
 
 
-def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
+def _fit_persistence(numbers: dict[str, float], sums: Moments, settings: Settings) -> None:
     """Fit the rate of losing direction, the mean turning and the speed, and add them to `numbers`."""
-    window = 0.0 if frame.headed else frame.grid.step * frame.interval
-    lag = frame.grid.turn_lags * frame.interval
+    window = 0.0 if settings.headed else settings.grid.step * settings.interval
+    lag = settings.grid.turn_lags * settings.interval
     values = np.asarray(mean(sums.turn, sums.turn_pairs), dtype=complex)
-    real, imaginary = np.split(frame.turn_errors, 2)
+    real, imaginary = np.split(settings.turn_errors, 2)
     errors = np.hypot(real, imaginary) / math.sqrt(2.0)
     use = np.isfinite(values) & (errors > 0)
     if use.sum() < 4:
         return
     lag, values = lag[use], values[use]
     # Between walls turns are few: weights follow from lag and number, not from their scatter.
-    errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else displacement_fit.smooth_errors(lag, errors[use])
-    fitted = _fit_decay(lag, values, errors, frame, window)
+    errors = lag / np.sqrt(sums.turn_pairs[use]) if settings.walls else displacement_fit.smooth_errors(lag, errors[use])
+    fitted = _fit_decay(lag, values, errors, settings, window)
     if fitted is None:
         return
     amplitude, rate, turn, *memory = map(float, fitted)
     numbers["persistence_rate"] = rate
     numbers["persistence_time"] = 1.0 / rate if rate else math.inf
-    if frame.headed:
-        numbers["turning_bias"] = _ratio_or_nan(sums.turned) / frame.interval
+    if settings.headed:
+        numbers["turning_bias"] = _ratio_or_nan(sums.turned) / settings.interval
         variance = -_log_correlation_at_zero(lag, values)
         lasting = memory[0] if memory else 0.0
         if lasting:
@@ -207,12 +207,12 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
             numbers["turning_memory"] = lasting
 
         def correlation(samples: Array) -> Array:
-            """Return the correlation of headings after a time, given in samples."""
-            after = samples * frame.interval
+            """Return the autocorrelation of headings at lags in samples."""
+            after = samples * settings.interval
             return np.asarray(np.exp(-rate * (persistent_walk.delayed_lag(after, lasting) if lasting else after)))
 
-        shortened = math.exp(-0.5 * variance) * _extrapolated_share(correlation)
-        velocity = complex(_body_velocity(sums) / (shortened * frame.interval))
+        shortened = math.exp(-0.5 * variance) * _extrapolated_speed_share(correlation)
+        velocity = complex(_body_velocity(sums) / (shortened * settings.interval))
         numbers["shortened"] = shortened
         numbers["body_speed"] = numbers["speed"] = velocity.real
         numbers["sideways_speed"] = velocity.imag
@@ -222,38 +222,58 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
         numbers |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         numbers["motion_speed"] = numbers["speed"] = math.sqrt(max(amplitude, 0.0)) / window
         first = persistent_walk.velocity_correlation(
-            np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window
+            np.array([settings.first_lag * settings.interval]), 1.0, rate, turn, window
         )
         numbers["shortened"] = window * math.sqrt(abs(first[0]))
     numbers["persistence_length"] = abs(numbers["speed"]) * numbers["persistence_time"]
 
 
-def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
-    """Fit the correlation of directions, `values` with `errors` by `lag` (s); None if the fit fails.
+def _fit_decay(lag: Array, values: Complex, errors: Array, settings: Settings, window: float) -> Array | None:
+    """Fit the autocorrelation of headings or displacements, `values` with `errors` by `lag` (s); None if it fails.
 
-    Return amplitude, rate of decay (1/s), mean turn (rad/s) and, with `frame.memory`, the time (s) for which a rate of
-    turning lasts. Displacements span `window` (s); 0 for headings.
+    Return its amplitude at lag 0, its rate of decay (1/s), the mean turning rate (rad/s) and, with `settings.memory`,
+    the correlation time (s) of the turning noise. Displacements span `window` (s); 0 for headings.
     """
 
-    def model(lags: Array, amplitude: float, rate: float, turn: float) -> Complex:
-        """Return the correlation at these lags (s) of a walk whose directions turn without memory."""
+    def correlation_without_memory(lags: Array, amplitude: float, rate: float, turn: float) -> Complex:
+        """Return the complex autocorrelation of directions at lags (s) without memory. `rate`: 1/s. `turn`: rad/s."""
         # Less the mean turning over a time T, diffusion is smaller by the share lag / T (a Brownian bridge).
         return persistent_walk.velocity_correlation(
-            lags * (1.0 - lags / frame.detrend_time_s), amplitude, rate, turn, window
+            lags * (1.0 - lags / settings.detrend_time_s), amplitude, rate, turn, window
         )
 
-    def with_memory(lags: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
-        """Return the correlation at these lags (s) if rates of turning last for a time `memory` (s)."""
-        return model(persistent_walk.delayed_lag(lags, memory), amplitude, rate, turn)
+    def correlation_with_memory(lags: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
+        """Return the complex autocorrelation of headings or displacements if turning noise has a memory.
 
-    if not frame.memory:
-        return persistent_walk.fit(model, lag, values, errors, _guess_start(lag, values, errors))
-    lowest = (*[-math.inf] * 3, 0.0)
-    return persistent_walk.fit(with_memory, lag, values, errors, _guess_with_memory(lag, values, errors), lowest)
+        Parameters
+        ----------
+        lags : Array
+            Lags, s.
+        amplitude : float
+            Amplitude of the decay: 1 for headings without noise, mm^2 for displacements.
+        rate : float
+            Rate of decay at long lags, 1/s.
+        turn : float
+            Mean turning rate, rad/s.
+        memory : float
+            Correlation time of the turning noise, s.
+
+        Returns
+        -------
+        Complex
+            Autocorrelation at the lags, shape (lags,).
+        """
+        return correlation_without_memory(persistent_walk.delayed_lag(lags, memory), amplitude, rate, turn)
+
+    if not settings.memory:
+        start = _guess_start(lag, values, errors)
+        return persistent_walk.fit(correlation_without_memory, lag, values, errors, start)
+    lowest, start_with_memory = (*[-math.inf] * 3, 0.0), _guess_start_with_memory(lag, values, errors)
+    return persistent_walk.fit(correlation_with_memory, lag, values, errors, start_with_memory, lowest)
 
 
-def _guess_with_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
-    """Guess amplitude, rate (1/s), turn (0) and memory (s) from lines through log(`values`) at lags (s)."""
+def _guess_start_with_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
+    """Guess amplitude, rate (1/s), turn (always 0) and memory (s) of `_fit_decay`, from lines through log(`values`)."""
     log_size, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
     guesses = []
     for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
@@ -286,10 +306,10 @@ def _body_velocity(sums: Moments) -> complex:
     return straight
 
 
-def _extrapolated_share(correlation: Callable[[Array], Array]) -> float:
-    """Return the share of a speed that the extrapolation of `_body_velocity` gives.
+def _extrapolated_speed_share(correlation: Callable[[Array], Array]) -> float:
+    """Return the speed that `_body_velocity` extrapolates over the true speed, given the autocorrelation of headings.
 
-    It is 1 up to second order in the turn of a sample. `correlation` returns that of headings at lags in samples.
+    It is 1 up to second order in the turn of a sample. Lags of `correlation` are in samples.
     """
     nodes, weights = np.polynomial.legendre.leggauss(8)
     near, far = (0.5 * float(weights @ correlation(first + 0.5 + 0.5 * nodes)) for first in (0.0, 1.0))
@@ -297,7 +317,7 @@ def _extrapolated_share(correlation: Callable[[Array], Array]) -> float:
 
 
 def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
-    """Guess amplitude, rate (1/s) and turn (rad/s, unwrapped over lags) of the correlation `values` at lags (s)."""
+    """Guess amplitude, rate (1/s) and turn (rad/s) of `_fit_decay`, from the autocorrelation `values` at lags (s)."""
     size = np.abs(values)
     turn = 0.0
     for seconds, value, error in zip(lag, values, errors, strict=True):
@@ -310,7 +330,7 @@ def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, flo
 
 
 def from_spread(spread: Spread, interval: float) -> dict[str, float]:
-    """Return the numbers, by name, that follow from a fit of the squared displacement; `interval` of samples, s."""
+    """Return the numbers, by name, that follow from a fit of the squared displacement. `interval`: of samples, s."""
     speed2, offset = spread.mean_square, spread.offset
     return {
         "msd_speed2": speed2,
@@ -325,16 +345,16 @@ def from_spread(spread: Spread, interval: float) -> dict[str, float]:
     }
 
 
-def _fit_dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
+def _fit_dispersion(numbers: dict[str, float], sums: Moments, settings: Settings) -> None:
     """Fit the spread 2 D lag (1 - lag / T) about mean runs in a lane; add D and crossover time to `numbers`."""
-    lag = frame.grid.square_lags * frame.interval
+    lag = settings.grid.square_lags * settings.interval
     values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)
-    use = np.isfinite(values) & (frame.square_errors > 0)
+    use = np.isfinite(values) & (settings.square_errors > 0)
     use &= lag >= 0.1 * lag[use].max(initial=0.0)
     speed = numbers["lane_speed"]
     if use.sum() < 4:
         return
-    spread = values[use] / (1.0 - lag[use] / frame.detrend_time_s)
+    spread = values[use] / (1.0 - lag[use] / settings.detrend_time_s)
     # The error of a variance grows with the variance itself: weights 1/lag.
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     numbers["diffusivity"] = 0.5 * float(slope)

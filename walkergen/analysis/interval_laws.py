@@ -29,7 +29,7 @@ TURN_POWERS = {
 
 
 def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: bool) -> Quantity:
-    """Replace the error of a number by that over walkers if these differ, or if `always`.
+    """Return a number with its error from the scatter between walkers if they differ, or if `always`; else unchanged.
 
     `leave_one_out`: the number's values, from all walkers, then without each walker.
     """
@@ -43,10 +43,10 @@ def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: 
 
 
 def with_detection_limit(number: Quantity, share: float) -> Quantity:
-    """Widen the bounds of a diffusivity or crossover time that is reported only if the run's rate is large enough.
+    """Return a diffusivity or crossover time with wider bounds, because it is reported only if a run's rate is large.
 
     `share`: the smallest rate that is reported, divided by the estimated one; 0 without a limit. Chance can make the
-    rate large and the number small: its upper bound allows for that.
+    rate large and the number small: its upper bound allows for that. Other numbers are unchanged.
     """
     return number._replace(least=share / number.number) if share and number.key in SPREADING_QUANTITIES else number
 
@@ -82,7 +82,7 @@ def _with_variance_bounds(number: Quantity, power: int) -> Quantity:
 
 
 def turning_scatter_refusals(estimates: Mapping[str, Quantity], scatter: Quantity) -> dict[str, Quantity]:
-    """Refuse diffusivity and crossover time if unequal turning rates may shift them by more than their bounds.
+    """Return diffusivity and crossover time as refused, if unequal turning rates may shift them beyond their bounds.
 
     `scatter`: standard deviation of the walkers' turning rates, rad/s. One fit to all uses only their mean rate: what a
     run adds, v^2 rate / (2 (rate^2 + turn^2)), is off by a share of (scatter / rate)^2 at most, to second order.

@@ -213,7 +213,7 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
 
 
 def net_displacement(track: Track) -> Array:
-    """Return the displacement along x (mm) from the first to the last known sample, and the samples between."""
+    """Return the displacement along x (mm) from first to last known sample, and the number of steps between them."""
     seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
     if len(seen) < 2:
         return np.zeros(2)

@@ -24,7 +24,7 @@ from walkergen.analysis import (
     walls,
 )
 from walkergen.analysis.displacement_fit import DisplacementFit
-from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
+from walkergen.analysis.estimates import UNITS, Settings, mean, refusal
 from walkergen.analysis.line import Line, line_through_origin
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.particle_scatter import WalkerComparison, WalkerMeans
@@ -175,7 +175,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
     if tracks.lane:
         times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
     own_s = float(np.mean(times)) if times else math.inf
-    frame = Frame(
+    settings = Settings(
         grid,
         tracks.interval,
         tracks.lane,
@@ -187,9 +187,9 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         turn_errors=_jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
         walls=found_walls is not None,
     )
-    frame, numbers = verdicts.choose_memory(all_sums, frame)
-    numbers, fit = spread_numbers.add_fit(numbers, all_sums, frame, lags)
-    means_of_walkers = particle_scatter.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
+    settings, numbers = verdicts.choose_memory(all_sums, settings)
+    numbers, fit = spread_numbers.add_fit(numbers, all_sums, settings, lags)
+    means_of_walkers = particle_scatter.walker_means(tracks, settings, numbers[0]["shortened"], mean_steps)
     comparison = particle_scatter.compare(means_of_walkers)
     if headed:
         shortened = verdicts.jackknife_quantity(numbers, "shortened")
@@ -201,21 +201,21 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
             comparison = comparison._replace(means=particle_scatter.add_shared_error(comparison.means, shortened))
     single_tracks = tracks.tracks if in_pieces and comparison is not None else ()
     without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in single_tracks)]
-    numbers_without_one, between_turns = verdicts.evaluate_all(without_one, frame), turning.scatter(turnings)
+    numbers_without_one, between_turns = verdicts.evaluate_all(without_one, settings), turning.scatter(turnings)
     estimates = verdicts.attach_errors(
         numbers[0],
         numbers[1:],
-        frame,
+        settings,
         fit,
-        spread_numbers.add_refit(numbers_without_one[1:], without_one[1:], frame, fit),
+        spread_numbers.add_refit(numbers_without_one[1:], without_one[1:], settings, fit),
         lags * tracks.interval,
         _effective_freedom(parts, int(fitted.sum()) - 1),
         between_turns.known or (comparison is not None and comparison.scatter.known),
     )
     if in_pieces:
-        estimates |= _speed_means(means_of_walkers, comparison, frame)
+        estimates |= _speed_means(means_of_walkers, comparison, settings)
     elif comparison is not None and not (headed or tracks.lane):
-        estimates |= _mean_of_roots(estimates, comparison.scatter)
+        estimates |= _mean_speed_from_rms(estimates, comparison.scatter)
     no_scatter = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
     estimates["speed_scatter"] = comparison.scatter if comparison else no_scatter
     if on_plane:
@@ -235,7 +235,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
-        method=_describe_method(frame, in_pieces, comparison, len(parts), length * tracks.interval),
+        method=_describe_method(settings, in_pieces, comparison, len(parts), length * tracks.interval),
         doubts=[
             *([found_walls.description] if found_walls else []),
             *_misfit_doubts(fit),
@@ -254,7 +254,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
 
 
 def _effective_freedom(parts: Sequence[Moments], lag_index: int) -> float:
-    """Return the degrees of freedom of samples with unlike numbers of pairs at a lag (Kish 1965)."""
+    """Return the degrees of freedom of samples whose numbers of pairs differ at the lag of this index (Kish 1965)."""
     pairs = np.array([part.square_pairs[lag_index] for part in parts])
     return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
 
@@ -366,19 +366,19 @@ def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
 
 
 def _speed_means(
-    walkers: Sequence[WalkerMeans], comparison: WalkerComparison | None, frame: Frame
+    walkers: Sequence[WalkerMeans], comparison: WalkerComparison | None, settings: Settings
 ) -> Mapping[str, Quantity]:
-    """Return the mean speeds and turning over walkers that were compared, or those of the longest track."""
+    """Return the mean speeds and turning over walkers if these were compared, otherwise those of the longest track."""
     if comparison is not None:
         return comparison.means
     means = max(walkers, key=lambda walker: walker.seconds).means
     longest = {name: mean if mean.known else mean._replace(value=None) for name, mean in means.items()}
     # Without headings the fit of all products is sharper than the first one.
-    return longest if frame.lane or frame.headed else {"lane_speed": longest["lane_speed"]}
+    return longest if settings.lane or settings.headed else {"lane_speed": longest["lane_speed"]}
 
 
-def _mean_of_roots(estimates: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
-    """Estimate the mean speed from its root mean square, and the `scatter` between walkers; {} if impossible."""
+def _mean_speed_from_rms(estimates: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
+    """Return the mean speed, from the root mean square speed in `estimates` and the `scatter`; {} if impossible."""
     speed = estimates["speed"]
     if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
         return {}
@@ -387,7 +387,7 @@ def _mean_of_roots(estimates: Mapping[str, Quantity], scatter: Quantity) -> Mapp
 
 
 def _misfit_doubts(fit: DisplacementFit | None) -> list[str]:
-    """Return the doubt about a fit whose law does not hold; [] without one."""
+    """Return the doubt that the squared displacement follows another law than the fit's; [] without such a doubt."""
     if fit is None or not fit.p_value < MISFIT_P_VALUE:
         return []
     return [
@@ -409,19 +409,19 @@ def _scatter_doubts(estimates: Mapping[str, Quantity], descent: float | None) ->
 
 
 def _describe_method(
-    frame: Frame, in_pieces: bool, comparison: WalkerComparison | None, samples: int, length_s: float
+    settings: Settings, in_pieces: bool, comparison: WalkerComparison | None, samples: int, length_s: float
 ) -> str:
     """Describe what `speed` means and where errors come from: particles or, `in_pieces`, tracks cut to `length_s` s."""
-    if frame.lane:
+    if settings.lane:
         speed = "along the lane"
-    elif frame.headed:
+    elif settings.headed:
         speed = "along the body's heading"
     else:
         speed = "along the direction of motion, root mean square of what persists for the lag"
     if not in_pieces:
         method = f"speed {speed}; errors from {samples} independent samples of particles"
         return f"{method}; of the mean speed, {comparison.limit}" if comparison else method
-    pieces = f"{samples} pieces of " + ("equal times of free motion" if frame.walls else f"{length_s:.3g} s")
+    pieces = f"{samples} pieces of " + ("equal times of free motion" if settings.walls else f"{length_s:.3g} s")
     if comparison is None:
         return f"speed {speed}; errors from {pieces}, which do not tell how walkers differ"
     walkers = comparison.walkers

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import moments
-from walkergen.analysis.estimates import FAR_WEIGHT, MIN_SIGNIFICANCE, NEAR_WEIGHT, UNITS, Frame, quantity, refusal
+from walkergen.analysis.estimates import FAR_WEIGHT, MIN_SIGNIFICANCE, NEAR_WEIGHT, UNITS, Settings, quantity, refusal
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.numerics import Array, Complex, statistics
 from walkergen.core.numerics.distributions import fisher_tail
@@ -44,7 +44,7 @@ class WalkerMeans(NamedTuple):
     """Means by the names of `estimates.UNITS`, with their errors within this walker's track."""
 
     def mean(self, name: str) -> Quantity:
-        """Return the mean by its name."""
+        """Return the mean of this name; refused without a reason if there is none."""
         return self.means.get(name, refusal(name, ""))
 
 
@@ -75,7 +75,7 @@ class _Series(NamedTuple):
     """True when steps are products, and the root of their modulus is a speed."""
 
     def mean(self, sums: npt.NDArray[Any]) -> Array:
-        """Return the mean from sums of steps and samples, shape (..., 2)."""
+        """Return the mean speed or rate from sums of steps and of samples, shape (..., 2)."""
         ratio = sums[..., 0] / sums[..., 1].real
         return np.asarray(self.unit * (np.sqrt(np.abs(ratio)) if self.squared else ratio.real))
 
@@ -108,7 +108,7 @@ def walker_scatter(name: str, values: Array, noise: float, noise_freedom: float)
     return quantity(name, value, se, freedom)._replace(noise=noise, power=2, least=least)
 
 
-def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
+def walker_means(tracks: Tracks, settings: Settings, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
     """Compute the numbers of every single walker.
 
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns` the mean turn (rad)
@@ -118,29 +118,29 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
     for track in tracks.tracks:
         seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
         seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
-        series = _walker_series(track, frame, shortened, turns[track.particle])
-        means = {name: _series_mean(name, steps, frame) for name, steps in series.items()}
+        series = _walker_series(track, settings, shortened, turns[track.particle])
+        means = {name: _series_mean(name, steps, settings) for name, steps in series.items()}
         means_of_walkers.append(WalkerMeans(track.particle, seconds, means))
     return means_of_walkers
 
 
-def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
+def _walker_series(track: Track, settings: Settings, shortened: float, turn: float) -> dict[str, _Series]:
     """Return by name the steps of one track whose means are its speeds and turning rate.
 
     `shortened`: share of a speed that displacements show; `turn`: mean turn per sample, rad.
     """
-    step, interval = frame.grid.step, frame.interval
+    step, interval = settings.grid.step, settings.interval
     position = moments.complex_position(track)
     seen = np.flatnonzero(~np.isnan(position))
     blocks = np.diff(position[::step]).real / (step * interval)
     along = _Series(np.diff(position[seen]).real, np.diff(seen), 1.0 / interval, blocks)
-    if frame.lane:
+    if settings.lane:
         return {"lane_speed": along, "speed": along}
-    if not math.isfinite(shortened) or (frame.headed and track.heading is None):
+    if not math.isfinite(shortened) or (settings.headed and track.heading is None):
         unknown = _Series(np.zeros(0), np.zeros(0), math.nan, np.zeros(0))
         return {"lane_speed": along, "speed": unknown}
-    if not frame.headed:
-        moved, lag = moments.direction_vectors(track, step), frame.first_lag
+    if not settings.headed:
+        moved, lag = moments.direction_vectors(track, step), settings.first_lag
         products = moments.mask_near_walls(np.conj(moved[:-lag]) * moved[lag:], track.free_samples(lag + step))
         motion = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
         return {"lane_speed": along, "speed": motion, "motion_speed": motion}
@@ -162,13 +162,13 @@ def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) ->
 
 
 def _nanmean(values: Complex) -> Complex:
-    """Return the mean over the first axis, without NaN; NaN if all are."""
+    """Return the mean over the first axis of the values that are not NaN; NaN if all are."""
     present = ~np.isnan(values)
     mean = np.where(present, values, 0.0).sum(axis=0) / np.maximum(present.sum(axis=0), 1)
     return np.where(present.any(axis=0), mean, np.nan)
 
 
-def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
+def _series_mean(name: str, series: _Series, settings: Settings) -> Quantity:
     """Return the mean of a series with its error, from pieces or its correlation time, or the reason why not."""
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
@@ -183,8 +183,8 @@ def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
     mean = Quantity(name, UNITS[name], float(series.mean(sums.sum(axis=0))))
     if len(sums) < TRACK_PIECES:
         return mean._replace(refused="too short a track for an error: film for longer")
-    lasting = float(sums[:, 1].real.mean()) * frame.interval
-    correlated = _error_if_correlated(series.blocks, frame.grid.step * frame.interval, lasting)
+    lasting = float(sums[:, 1].real.mean()) * settings.interval
+    correlated = _error_if_correlated(series.blocks, settings.grid.step * settings.interval, lasting)
     if correlated is not None:
         error, reason = correlated
         return mean._replace(refused=reason) if reason else mean._replace(se=error)
@@ -259,7 +259,7 @@ def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
 
 
 def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
-    """Add the relative error of `shortened`, which all walkers share, to the errors of mean speeds."""
+    """Return means in which speeds have the relative error of `shortened`, common to all walkers, added to theirs."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
         name: mean._replace(se=math.hypot(mean.se, relative * mean.value))

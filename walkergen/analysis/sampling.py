@@ -126,7 +126,7 @@ def _rounding_step(times: Array) -> float:
 
 
 def _sample_interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
-    """Return the time between samples, s: the commonest step of a particle. `rounding`: that of times, s."""
+    """Return the time between samples, s: the commonest step of a particle. `rounding`: from `_rounding_step`, s."""
     order = np.lexsort((times, particle))
     same = np.diff(particle[order]) == 0
     steps = np.diff(times[order])[same]

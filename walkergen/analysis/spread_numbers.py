@@ -1,7 +1,7 @@
-"""Numbers of sums over tracks together with those of the fit of their squared displacement.
+"""Numbers of sums over tracks, extended by those that follow from a fit of their mean squared displacement.
 
-The fit of all samples, and of those without each one, finds the law. Sums without each walker, too few to find a law,
-are fitted by the same one. `numbers` and `sums` have an entry for all samples, then for those without each one.
+`numbers` (values by name) and `sums` have an entry for all samples, then for those without each one. The fit to these
+finds the law of the displacement (with or without runs). Sums without each walker are fitted by the same law.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,44 +10,46 @@ import numpy as np
 
 from walkergen.analysis import displacement_fit, estimates, verdicts
 from walkergen.analysis.displacement_fit import DisplacementFit
-from walkergen.analysis.estimates import Frame, mean
+from walkergen.analysis.estimates import Settings, mean
 from walkergen.analysis.moments import Moments
 from walkergen.analysis.persistent_walk import Spread
 from walkergen.core.numerics import Array
 
 
 def add_fit(
-    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest_lag: int
+    numbers: list[dict[str, float]], sums: Sequence[Moments], settings: Settings, longest_lag: int
 ) -> tuple[list[dict[str, float]], DisplacementFit | None]:
-    """Fit the squared displacement up to a lag (samples); return numbers with those of the fit, and the fit."""
-    if frame.lane:
+    """Fit the squared displacement up to a lag (samples). Return `numbers` with those of the fit added, and the fit."""
+    if settings.lane:
         return numbers, None
-    lag, squares = _mean_squares(sums, frame, int((frame.grid.square_lags <= longest_lag).sum()))
-    fit = displacement_fit.fit(lag, squares, _turning_rates(numbers, frame.headed))
-    return _add_spreads(numbers, fit.spreads, frame), fit
+    lag, squares = _mean_squares(sums, settings, int((settings.grid.square_lags <= longest_lag).sum()))
+    fit = displacement_fit.fit(lag, squares, _turning_rates(numbers, settings.headed))
+    return _with_fit_numbers(numbers, fit.spreads, settings), fit
 
 
 def add_refit(
-    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, fit: DisplacementFit | None
+    numbers: list[dict[str, float]], sums: Sequence[Moments], settings: Settings, fit: DisplacementFit | None
 ) -> list[dict[str, float]]:
-    """Add to the numbers of sums without each walker those of the law of an earlier `fit`."""
+    """Fit `sums` without each walker by the law of an earlier `fit`. Return `numbers` with those of the fits added."""
     if fit is None or not len(fit.errors):
         return numbers
-    lag, squares = _mean_squares(sums, frame, len(fit.errors))
+    lag, squares = _mean_squares(sums, settings, len(fit.errors))
     turns = [sample["turning_bias"] if fit.spreads[0].turn else 0.0 for sample in numbers]
-    return _add_spreads(numbers, displacement_fit.refit(lag, squares, turns, fit), frame)
+    return _with_fit_numbers(numbers, displacement_fit.refit(lag, squares, turns, fit), settings)
 
 
-def _mean_squares(sums: Sequence[Moments], frame: Frame, count: int) -> tuple[Array, list[Array]]:
+def _mean_squares(sums: Sequence[Moments], settings: Settings, count: int) -> tuple[Array, list[Array]]:
     """Return the first `count` lags (s), and for each of the sums the mean squared displacement (mm^2) at them."""
-    lag = frame.interval * frame.grid.square_lags[:count].astype(float)
+    lag = settings.interval * settings.grid.square_lags[:count].astype(float)
     return lag, [np.asarray(mean(sample.square, sample.square_pairs), float)[:count] for sample in sums]
 
 
-def _add_spreads(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], frame: Frame) -> list[dict[str, float]]:
-    """Add to each of the numbers those of its fit."""
+def _with_fit_numbers(
+    numbers: Sequence[dict[str, float]], fits: Iterable[Spread], settings: Settings
+) -> list[dict[str, float]]:
+    """Return each entry of `numbers` with the numbers of its fit added."""
     return [
-        sample | estimates.from_spread(spread, frame.interval) for sample, spread in zip(numbers, fits, strict=True)
+        sample | estimates.from_spread(spread, settings.interval) for sample, spread in zip(numbers, fits, strict=True)
     ]
 
 

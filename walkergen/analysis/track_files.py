@@ -153,7 +153,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
-    """Return seconds per unit of the column time and True, or frames per second and False; and notes on the choice."""
+    """Choose times or frames. Return seconds per unit of time and True, or frames per second and False; and notes."""
     frames = "frame" in source.table.values
     named = source.named.get("time")
     unit = given.time or (named.unit if named else "")
@@ -182,14 +182,14 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
 def _time_clock(
     path: Path, source: Source, units: Units, seconds: float, notes: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
-    """Return `seconds` in a unit of time, True and the `notes`. Raises InputError if fps is given too."""
+    """Return what `_choose_clock` returns for a column of times. Raises InputError if a frame rate is given too."""
     if units.fps is not None:
         raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave out ‹fps›")
     return seconds, True, notes
 
 
 def _frame_rate(path: Path, source: Source, units: Units) -> float:
-    """Return the frames per second of a file that counts frames."""
+    """Return the given frames per second of a file that counts frames. Raises InputError without them."""
     if units.fps is None:
         pixels = units.mm_per_px is None and source.named["x"].unit in ("", PIXEL) and not units.unit
         more = " and pixels; give ‹fps› and ‹mm_per_px› (or ‹unit=›mm if these are mm)" if pixels else "; give ‹fps›"

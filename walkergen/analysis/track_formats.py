@@ -186,7 +186,7 @@ def _detect_program(names: Sequence[str], by_kind: Mapping[str, NamedColumn], ti
 
 
 def _read_labels(path: Path, titled: bool, skip: int, name: str) -> list[str]:
-    """Return the labels of walkers in a column, [] if they are numbers; `skip` lines below the header."""
+    """Return the labels of walkers in the column `name`; [] if they are numbers. `skip`: lines below the header."""
     if not name:
         return []
     labels = columns.distinct_texts(_table_lines(path, titled, skip), str(path), name)
@@ -194,7 +194,7 @@ def _read_labels(path: Path, titled: bool, skip: int, name: str) -> list[str]:
 
 
 def _is_word(label: str) -> bool:
-    """Return whether a label is neither a number nor a sign for no track."""
+    """Return whether a label is a word: neither a number nor in NO_TRACK_LABELS."""
     try:
         float(label)
     except ValueError:

@@ -117,7 +117,7 @@ def _track_names(path: Path) -> dict[int, str]:
 
 
 def _column_or_nan(table: Columns, name: str) -> Array:
-    """Return a column of a table; NaN if the table does not have it."""
+    """Return a column of a table; an array of NaN if the table does not have it."""
     return table.values.get(name, np.full(len(table.lines), np.nan))
 
 

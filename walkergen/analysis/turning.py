@@ -1,6 +1,6 @@
 """Turning rates of walkers: their scatter between walkers, and the diffusion of each one's heading.
 
-The method is an analysis of variance over pieces of tracks. Pieces must outlast the memory of the turning rate.
+The method is an analysis of variance over pieces of tracks. Pieces must outlast the turning rate's correlation time.
 """
 
 import math

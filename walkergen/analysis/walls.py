@@ -179,7 +179,7 @@ def _count_visits(depth: Array, near: float, away: float) -> int:
 
 
 def add_wall_reach(tracks: Tracks, walls: Walls) -> Tracks:
-    """Add to tracks the number of samples from each place during which no wall can be reached."""
+    """Return the tracks with `reach`: the number of samples after each place in which no wall can be reached."""
     step_mm = walls.speed * tracks.interval
     tracks_with_reach = []
     for track in tracks.tracks:
