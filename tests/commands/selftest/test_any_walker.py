@@ -135,5 +135,5 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
 def test_a_measurement_asks_for_one_material():
     two = design_of([TWO[0], TWO[1] | {"restitution": 0.4}])
     with pytest.raises(InputError, match=r"legs\[2\].restitution belongs to one foot"):
-        drops.check_one_material(two)
-    drops.check_one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))
+        drops.check_one_restitution(two)
+    drops.check_one_restitution(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))

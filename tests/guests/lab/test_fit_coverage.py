@@ -55,7 +55,7 @@ def world():
     ground = emulated_speeds.FitInputs(scene, "space", unknown)
     settings = [emulated_speeds.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS]
     x = emulated_speeds.sample_parameters(ground, 128)
-    y = emulated_speeds.simulate_batches(ground, settings, x, silent, 0)
+    y = emulated_speeds.simulate_settings(ground, settings, x, silent, 0)
     responses = [
         emulated_speeds.fit_response(x, speeds, setting, True) for speeds, setting in zip(y, settings, strict=True)
     ]

@@ -109,7 +109,7 @@ def test_the_response_is_the_spread_of_the_prediction():
     rng = np.random.default_rng(2)
     unknown = parameters.list_unknowns(LANE, PAPER, "prediction", "flat", {})
     setting = emulated_speeds.Setting(PAPER.variant(tilt_deg=10.0), LANE.drive.peak_speed)
-    (response,) = surrogate_speeds.responses(emulated_speeds.FitInputs(LANE, "prediction", unknown), [setting])
+    (response,) = surrogate_speeds.speed_models(emulated_speeds.FitInputs(LANE, "prediction", unknown), [setting])
     truth = hidden(rng)
     names = [one.prior.name for one in unknown.sampled]
     truth.setdefault("feet.tip_radius_um", LANE.feet.tip_radius_um)

@@ -26,7 +26,7 @@ BACK, FRONT = least_squares.inverse_mass_tensors(masses(TILTS))
 def measured(rng, se=0.5, mode="coulomb", true=TRUE, plate=31.2):
     ones = np.ones(len(TILTS))
     speeds = least_squares.Speeds(ones, se * ones, plate * ones, BACK, FRONT, mode)
-    unit = least_squares.speeds_per_factor(speeds, true["restitution"], true["friction"])
+    unit = least_squares.speeds_at_unit_factor(speeds, true["restitution"], true["friction"])
     exact = true["impact_speed_factor"] * unit
     return speeds._replace(speed=exact + se * rng.normal(size=len(TILTS)))
 
@@ -130,7 +130,7 @@ def test_speeds_at_one_tilt_tell_only_a_factor():
     speeds = measured(np.random.default_rng(8), plate=np.linspace(20, 40, len(TILTS)))
     same = [4] * len(TILTS)
     back, front = (least_squares.InverseMass(*(x[same] for x in H)) for H in (BACK, FRONT))
-    exact = 0.5 * least_squares.speeds_per_factor(speeds._replace(back=back, front=front), 0.8, 0.1)
+    exact = 0.5 * least_squares.speeds_at_unit_factor(speeds._replace(back=back, front=front), 0.8, 0.1)
     alike = speeds._replace(back=back, front=front, speed=exact)
     found = least_squares.fit_contact(alike, {})
     assert any("cannot be separated" in note for note in found.notes)

@@ -47,7 +47,8 @@ def effective_length(
 ) -> float:
     """Return the length (mm) of a beam with a rigid root that bends as much as a real strip of this `length` (mm).
 
-    `root_factor`: what a soft root adds, over the thickness. `clamp_factor`: what the clamp takes off, over the width.
+    `root_factor`: length that a soft root adds, over the thickness. `clamp_factor`: length that the clamp takes off,
+    over the width.
     """
     return length + root_factor * strip.thickness - clamp_factor * strip.width
 
@@ -67,7 +68,7 @@ def deflection(load: float, length: float, stiffness: float) -> float:
 
 
 def natural_frequency(stiffness: float, mass: float, length: float, tip_mass: float = 0.0) -> float:
-    """Return the first natural frequency (Hz) of a beam of stiffness E I and `mass` (g), with `tip_mass` on its end."""
+    """Return a beam's first natural frequency (Hz). `stiffness`: E I, g mm^3/s^2. Masses in g, length in mm."""
     mode = first_mode(tip_mass / mass)
     return mode * math.sqrt(stiffness / (mass * length**3)) / (2.0 * math.pi)
 
@@ -82,10 +83,10 @@ def moving_mass(density: float, strip: Strip) -> float:
 
 
 def first_mode(mass_ratio: float) -> float:
-    """Compute the square of the first root x of the equation below: a cantilever with a mass on its tip.
+    """Compute x^2, to which the first natural frequency of a cantilever with a mass on its tip is proportional.
 
-    1 + cos x cosh x + mass_ratio x (cos x sinh x - sin x cosh x) = 0 (Blevins, Formulas for natural frequency and mode
-    shape, 1979, table 8-8). `mass_ratio`: mass on the tip over the mass of the cantilever.
+    x is the first root of 1 + cos x cosh x + mass_ratio x (cos x sinh x - sin x cosh x) = 0 (Blevins, Formulas for
+    natural frequency and mode shape, 1979, table 8-8). `mass_ratio`: mass on the tip over that of the cantilever.
     """
     from scipy.optimize import brentq
 

@@ -77,11 +77,11 @@ def make_plan(scene: Scene, design: Design) -> Plan:
 
 
 def with_contact(scene: Scene, **contact: float) -> Scene:
-    """Return the scene with these keys of its [contact] replaced, such as `restitution`."""
+    """Return the scene with these values of keys of its [contact], such as `restitution`."""
     return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
 
 
-def check_one_material(design: Design) -> None:
+def check_one_restitution(design: Design) -> None:
     """Raise InputError if a foot has its own restitution."""
     exceptions = [number for number, limb in enumerate(design.limbs, start=1) if limb.restitution is not None]
     if exceptions:
@@ -109,8 +109,8 @@ def simulate_drop(plan: Plan, drop: Drop) -> Rebound:
     return Rebound(math.sqrt(max(rebound_height, 0.0) / drop_height), fell)
 
 
-def hand_drops(height: float, sd_deg: float, count: int, seed: int) -> list[Drop]:
-    """Draw `count` drops by hand from `height` (mm), each of another printed walker. `sd_deg`: sd of pitch and roll."""
+def sample_hand_drops(height: float, sd_deg: float, count: int, seed: int) -> list[Drop]:
+    """Draw `count` random drops by hand from `height` (mm), each of another print. `sd_deg`: sd of pitch and roll."""
     angles = np.random.default_rng([seed, 0]).normal(0.0, math.radians(sd_deg), (count, 2))
     return [Drop(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(angles)]
 
@@ -143,7 +143,7 @@ def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Drop], 
 
 
 def rebound_curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
-    """Return rebound against RESTITUTIONS: of the flat drop if `flat`, else the mean by hand. None below two points."""
+    """Return the curve of rebound against RESTITUTIONS, of flat drops if `flat`, else by hand. None below 2 points."""
     points = [  # fields of a Curve
         (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)
         for e, row in zip(RESTITUTIONS, rows, strict=True)

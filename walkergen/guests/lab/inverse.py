@@ -64,8 +64,8 @@ def invert(curve: Curve, measured: Measured, name: str, case: str = "") -> Answe
     """Find the ranges of the curve's parameter that explain the measured number.
 
     Between its points the curve is cubic and monotone. The number's error and the scatter of real and simulated tries
-    add in quadrature. A range ends at a distance of one error. For the text: `name` of the parameter, and words on the
-    `case`, such as " at 10 deg".
+    add in quadrature. A range ends at a distance of one error. The answer's text has the `name` of the parameter and
+    the `case`, words such as " at 10 deg".
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -107,5 +107,5 @@ def _format_branch(branch: Branch, ends: tuple[float, float]) -> str:
 
 
 def error_digits(error: float) -> int:
-    """Return the number of decimals that show two digits of an error."""
+    """Return the number of decimals that show two significant digits of an error."""
     return max(1 - math.floor(math.log10(error)), 0) if error > 0.0 else 3

@@ -56,5 +56,5 @@ def write_report(
 
 
 def name_after(original: str, path: Path, prefix: str = "") -> str:
-    """Return a new name for a design or scene: its original name, a prefix, and the name of the measurements' file."""
+    """Name a changed design or scene: its original name, "-", the prefix, and the name of the measurements' file."""
     return f"{original[:30]}-{prefix}{output.safe_folder_name(path)[:28]}"

@@ -96,7 +96,7 @@ class Reading(NamedTuple):
 
 
 class _Condition(NamedTuple):
-    """Common conditions of tries of one kind."""
+    """Part, quantity and conditions that tries to be averaged have in common."""
 
     part: str
     name: str
@@ -118,7 +118,7 @@ def reading_kinds(part: str) -> Mapping[str, Kind] | None:
 
 
 def empty_form(air: Mapping[str, float]) -> str:
-    """Return the text of an empty form for strips, block and walker, with proposed errors.
+    """Return the text (CSV) of an empty form for strips, block and walker, with proposed errors.
 
     `air` maps each strip to its share of air in percent, filled in already.
     """

@@ -102,8 +102,8 @@ def _fit_modulus(
 def _invert_rebound(rebound: Rebound, setup: Setup, request: CalibrateFields, progress: Progress) -> Answer | None:
     """Find the feet's restitution for a rebound from simulated drops, or None if the walker nearly always fell over."""
     scene, design = setup.scene, setup.design
-    drops.check_one_material(design)
-    hand = drops.hand_drops(rebound.height, request.roll_deg, request.drops, scene.run.seed)
+    drops.check_one_restitution(design)
+    hand = drops.sample_hand_drops(rebound.height, request.roll_deg, request.drops, scene.run.seed)
     rows = drops.rebounds_by_restitution(scene, design, hand, progress)
     curve = drops.rebound_curve(rows, flat=request.roll_deg == 0.0)
     if curve is None:
@@ -136,7 +136,7 @@ def _make_variant(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
 
 
 def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
-    """Return the notes on a drop test with the rebound `seen`, in addition to its value."""
+    """Return notes on a drop test: the rebound `seen`, and whether it sets the restitution."""
     kept = [] if drop.number("restitution").known else ["contact.restitution keeps the scene's value"]
     value, _ = seen.measured.number.pair
     return [
@@ -146,7 +146,7 @@ def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
 
 
 def _strip_notes(moduli: Moduli) -> list[str]:
-    """Return notes on whether the strips agree, and on changes that would make them agree."""
+    """Return notes on strips or methods that disagree, and on likely causes."""
     notes = []
     if not moduli.fit.agrees:
         notes.append("the strips disagree beyond their errors, which increases the error of the modulus")

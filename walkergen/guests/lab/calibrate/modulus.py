@@ -79,7 +79,7 @@ class Moduli(NamedTuple):
 
     @property
     def estimates(self) -> list[Estimate]:
-        """The modulus, and numbers that are 0 if all is as assumed."""
+        """The modulus, and its two checks, which are 0 if all is as assumed."""
         named = (("ring over weights", self.ring_over_bend), ("offset of thicknesses", self.offset))
         return [self.fit, *(Estimate(name, number) for name, number in named if number is not None)]
 
@@ -181,7 +181,7 @@ def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str])
 
 
 def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
-    """Return the modulus from each reading alone, without the corrections of the fit."""
+    """Return the modulus (GPa) from each reading alone, without the corrections of the fit."""
     parameters = np.zeros(1 + SHARED_PARAMETERS + 3 * len(strips))
     roughs = []
     for strip in strips:

@@ -94,7 +94,7 @@ def _free_length(thickness: float, design: Design, longest: float) -> float:
 
 
 def _make_strip(name: str, strip: Strip, design: Design) -> DrawnStrip:
-    """Return the strip with the weights that bend it and the frequency of its ring."""
+    """Return a strip with the weights that bend it, and the frequency at which it rings."""
     bending = beams.bending_stiffness(design.material.youngs_modulus, strip)
     length = beams.effective_length(strip.length, strip)
     mass = beams.moving_mass(1e-3 * design.material.density_g_cm3, strip)

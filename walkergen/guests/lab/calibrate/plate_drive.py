@@ -231,7 +231,7 @@ def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
 def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
     """Return accelerations (mm/s^2) upward, shape (n,), and along the plate, shape (n, 2) or (n, 4), and gravity.
 
-    With four columns the last two are turning rates (rad/s) about these axes. Gravity is None if it was taken off.
+    With four columns the last two are turning rates (rad/s) about these axes. Gravity is None if the app removed it.
     """
     mean = recording.felt.mean(axis=0)
     moved = recording.felt - mean
@@ -249,7 +249,7 @@ def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
 
 
 def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[float, float]:
-    """Find the frequency (Hz) of the strongest line in `upward`, shape (n,), and its error, from phases of pieces."""
+    """Find the drive's frequency (Hz) and its error in accelerations `upward`, shape (n,). `source`: for messages."""
     times, rate = recording.times, recording.rate
     even = np.arange(0.0, times[-1], 1.0 / rate)
     power = np.abs(np.fft.rfft(np.interp(even, times, upward) * np.hanning(len(even)))) ** 2
@@ -297,7 +297,7 @@ def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
 def _sine_rows(
     name: str, waves: Complex, ratio_key: str, phase_key: str, refused: str, unit: str = "", angle_name: str = "phase"
 ) -> list[Row]:
-    """Return the rows of the further sine `name`: its amplitude in `unit`, and its angle.
+    """Return two rows of a motion called `name` at the drive's frequency or a multiple: amplitude (`unit`) and angle.
 
     `waves`: complex amplitudes over the drive's, shape (pieces,). Both are refused for the reason `refused`, if any, or
     for an insignificant amplitude. `angle_name`: "phase" or "direction".

@@ -87,7 +87,7 @@ def _point_facts(point: Point) -> dict[str, Any]:
 
 
 def _strip_table(moduli: Moduli) -> Table:
-    """Return the modulus from each strip and method alone: the points of the figure."""
+    """Return the table of the modulus from each strip and method alone: the points of the figure."""
     agreed, _ = moduli.fit.number.pair
     rows = [
         (each.strip, each.method, each.thickness.value, *each.modulus.pair, each.readings) for each in moduli.points

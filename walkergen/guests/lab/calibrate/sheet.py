@@ -71,7 +71,7 @@ def _number_label(part: DrawnStrip) -> str:
 
 
 def _weights_table(strips: Sequence[DrawnStrip]) -> str:
-    """Return the weights that bend a strip a little and much, and objects of that weight."""
+    """Return the table of weights that bend each strip a little and much, with everyday objects of that weight."""
     rows = []
     for part in strips:
         light, heavy = ((f"{grams:.2g}", nearest_weight(grams)) for grams in (part.light_g, part.heavy_g))

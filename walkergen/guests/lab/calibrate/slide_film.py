@@ -32,7 +32,7 @@ standard errors."""
 
 
 def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
-    """Compute the friction of the one part that slides in a file of tracks, on an incline of this angle.
+    """Compute the friction of the one part that slides in the file of tracks `path`, on an incline of this angle.
 
     `error_deg`: standard error of the angle. Still parts, such as caps that show the camera's tilt, are left out.
     Raises InputError for tracks of several sliding parts, of more than one slide, and without friction.

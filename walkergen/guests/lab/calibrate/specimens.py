@@ -87,13 +87,13 @@ def from_readings(readings: Readings) -> tuple[list[Specimen], list[str]]:
 
 
 def scale_quantity(number: Quantity, scale: float) -> Quantity:
-    """Multiply a number and its error by a factor, as to another unit."""
+    """Return a number and its error times a factor, as in another unit. Key and unit stay."""
     value, se = number.pair
     return number._replace(value=scale * value, se=scale * se)
 
 
 def _to_frequency(time: Reading) -> Reading:
-    """Convert a time of 20 swings, s, to a frequency, Hz."""
+    """Return the reading of a time of 20 swings (s) as a reading of a frequency (Hz)."""
     seconds, se = time.number.pair
     hertz = 20.0 / seconds
     scale = hertz / seconds

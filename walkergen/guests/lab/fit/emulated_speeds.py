@@ -94,7 +94,7 @@ def sample_parameters(inputs: FitInputs, count: int) -> Array:
 def simulate(inputs: FitInputs, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
     """Simulate the speeds (mm/s), shape (n,), of walkers with parameters `x`, shape (n, simulated), in a setting.
 
-    The speed is NaN where a walker falls. The scene's seed, the setting and the number of the batch determine how each
+    The speed is NaN where a walker falls. The scene's seed, the setting and the number `batch` determine how each
     walker prints and starts. Stored speeds are reused, and Ctrl-C loses only the current runs.
     """
     prints, seeds = _sample_prints(inputs, setting, len(x), batch)
@@ -196,7 +196,7 @@ def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> R
 
 
 def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
-    """Fit a and b of the variance a^2 + (b speed)^2 to residuals. Return a (mm/s) and b. Arguments: (n,), mm/s."""
+    """Fit the variance a^2 + (b speed)^2 to residuals (mm/s) by speed (mm/s), both (n,). Return a (mm/s) and b."""
     from scipy.optimize import nnls
 
     typical = float(np.sqrt(np.mean(residual**2))) or 1e-6
@@ -209,10 +209,10 @@ def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
     return max(math.sqrt(floor), 0.1 * typical), math.sqrt(share)
 
 
-def simulate_batches(
+def simulate_settings(
     inputs: FitInputs, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
 ) -> list[Array]:
-    """Return the simulated speeds (mm/s) in each setting, (n,), at parameters `x`, (n, simulated). `batch`: a seed."""
+    """Simulate speeds (mm/s, shape (n,)) of walkers with parameters `x` in each setting, as `simulate` does in one."""
     speeds = []
     for number, setting in enumerate(settings):
 

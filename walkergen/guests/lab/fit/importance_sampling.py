@@ -87,7 +87,7 @@ def _normalise_weights(log_weights: Array) -> Array:
 
 
 def _temper_weights(log_weights: Array) -> Array:
-    """Return weights of sum 1, raised to the first power of 1, 0.7 ... that makes them worth MIN_INDEPENDENT / 10."""
+    """Return weights of sum 1, raised to the largest power 0.7^n worth MIN_INDEPENDENT / 10 independent draws."""
     power = 1.0
     while True:
         weight = _normalise_weights(power * log_weights)

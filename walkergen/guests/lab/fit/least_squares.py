@@ -1,8 +1,8 @@
 """Least squares for the contact: restitution, friction and impact speed from measured speeds.
 
 The theory's speed is impact_speed_factor x plate speed x factor(tilt; restitution, friction)
-(docs/physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly
-at every trial of the other two (variable projection, Golub and Pereyra 1973).
+(docs/physics.md section 4; paper eq. 15). The impact speed factor is linear, so it is solved for exactly
+at every trial of restitution and friction (variable projection, Golub and Pereyra 1973).
 """
 
 import math
@@ -85,8 +85,8 @@ def inverse_mass_tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass,
     return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
 
 
-def speeds_per_factor(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
-    """Predict the speeds (mm/s) of n walkers at impact_speed_factor 1. Shape: the parameters' shape, then n."""
+def speeds_at_unit_factor(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
+    """Predict the speeds (mm/s) of n walkers with an impact_speed_factor of 1. Shape: the parameters' shape, then n."""
     e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
     mean = 0.5 * (factor(speeds.back, e, mu, speeds.mode) + factor(speeds.front, e, mu, speeds.mode))
     return speeds.plate_speed * mean
@@ -108,7 +108,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
             f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8. Other models use priors, and accept any "
             "number of speeds"
         )
-    if np.abs(speeds_per_factor(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
+    if np.abs(speeds_at_unit_factor(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
         raise InputError(
             "the theory predicts nearly speed 0 for all these walkers, as for all rigid legs. They do not constrain "
             "the contact. Add walkers with flexible, tilted legs"
@@ -133,7 +133,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
             f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
             "does not describe these speeds within their errors, but the errors here assume it"
         )
-    predicted = values["impact_speed_factor"] * speeds_per_factor(speeds, values["restitution"], values["friction"])
+    predicted = values["impact_speed_factor"] * speeds_at_unit_factor(speeds, values["restitution"], values["friction"])
     return ContactFit(
         values, errors, intervals, uncertainty.covariance, uncertainty.correlation, chi2, dof, p_value, predicted, notes
     )
@@ -158,7 +158,7 @@ def _find_best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, fl
         scaled = (_best_factor(per_factor, speeds, fixed_factor)[..., None] * per_factor - speeds.speed) / errors
         return np.asarray(scaled, dtype=float)
 
-    chi2 = np.sum(residuals(speeds_per_factor(speeds, e, mu)) ** 2, axis=-1)
+    chi2 = np.sum(residuals(speeds_at_unit_factor(speeds, e, mu)) ** 2, axis=-1)
     lowest = np.unravel_index(np.argmin(chi2), chi2.shape)
     point = {"restitution": float(e[lowest]), "friction": float(mu[lowest])}
     min_chi2 = float(chi2[lowest])
@@ -167,19 +167,19 @@ def _find_best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, fl
 
         def trial_residuals(trial: Array) -> Array:
             values = point | dict(zip(names, trial, strict=True))
-            return residuals(speeds_per_factor(speeds, values["restitution"], values["friction"]))
+            return residuals(speeds_at_unit_factor(speeds, values["restitution"], values["friction"]))
 
         start = np.clip([point[name] for name in names], low, high)
         solution = least_squares(trial_residuals, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
         if 2.0 * solution.cost < min_chi2:
             min_chi2 = 2.0 * float(solution.cost)
             point |= {name: float(value) for name, value in zip(names, solution.x, strict=True)}
-    per_factor = speeds_per_factor(speeds, point["restitution"], point["friction"])
+    per_factor = speeds_at_unit_factor(speeds, point["restitution"], point["friction"])
     return point | {"impact_speed_factor": float(_best_factor(per_factor, speeds, fixed_factor))}, min_chi2
 
 
 def _best_factor(per_factor: Array, speeds: Speeds, fixed_factor: float | None) -> Array:
-    """Return the best impact_speed_factor, shape (...), for speeds at factor 1, shape (..., n), unless it is fixed."""
+    """Return the best (or fixed) impact_speed_factor, shape (...). `per_factor`: speeds at factor 1, shape (..., n)."""
     if fixed_factor is not None:
         return np.full(per_factor.shape[:-1], fixed_factor)
     weights = _speed_errors(speeds) ** -2.0
@@ -197,7 +197,7 @@ def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -
         low, high = RANGES[name]
         ends = [min(max(values[name] + side * step, low), high) for side in (-1, 1)]
         below, above = (
-            now["impact_speed_factor"] * speeds_per_factor(speeds, now["restitution"], now["friction"])
+            now["impact_speed_factor"] * speeds_at_unit_factor(speeds, now["restitution"], now["friction"])
             for now in (dict(values) | {name: end} for end in ends)
         )
         columns.append((above - below) / (ends[1] - ends[0]))

@@ -190,7 +190,7 @@ def _sample_with_surrogate(
     progress: Progress,
 ) -> tuple[Posterior, Sequence[SpeedModel], Sequence[SpeedModel]]:
     """Sample the posterior with the surrogate. Returns also speed models of the measured and `unmeasured` settings."""
-    responses, unmeasured_responses = (surrogate_speeds.responses(inputs, some) for some in (settings, unmeasured))
+    responses, unmeasured_responses = (surrogate_speeds.speed_models(inputs, some) for some in (settings, unmeasured))
     seed = inputs.scene.run.seed
     sampled = importance_sampling.sample(inputs.unknown.sampled, observed, responses, seed, progress)
     return sampled, responses, unmeasured_responses
@@ -210,24 +210,24 @@ def _sample_with_runs(
     progress("kernels", 0, 1)
     seed = inputs.scene.run.seed
     x = emulated_speeds.sample_parameters(inputs, PRIOR_WALKERS)
-    y = emulated_speeds.simulate_batches(inputs, settings, x, progress, batch=0)
+    y = emulated_speeds.simulate_settings(inputs, settings, x, progress, batch=0)
     parameters, responses = inputs.unknown.parameters, _fit_responses(inputs, settings, x, y)
     with emulator.single_thread():
         first = importance_sampling.sample(parameters, observed, responses, seed, progress)
     drawn = _thin_draws(first, inputs, POSTERIOR_WALKERS)
-    more = emulated_speeds.simulate_batches(inputs, settings, drawn, progress, batch=1)
+    more = emulated_speeds.simulate_settings(inputs, settings, drawn, progress, batch=1)
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
     responses = _fit_responses(inputs, settings, x, y)
     with emulator.single_thread():
         sampled = importance_sampling.sample(parameters, observed, responses, seed, progress)
     drawn = _thin_draws(sampled, inputs, AHEAD_WALKERS)
-    y = emulated_speeds.simulate_batches(inputs, unmeasured, drawn, progress, batch=2)
+    y = emulated_speeds.simulate_settings(inputs, unmeasured, drawn, progress, batch=2)
     return sampled, responses, _fit_responses(inputs, unmeasured, drawn, y)
 
 
 def _expected_time(inputs: FitInputs, settings: Sequence[Setting], unmeasured: Sequence[Setting]) -> Expected:
-    """Estimate the time of a fit: of its runs, from the cost of one run in each setting, and of learning from them."""
+    """Estimate the time of a fit: its runs, from the CPU time of one run in each setting, and LEARNING_S."""
     counts = [PRIOR_WALKERS + POSTERIOR_WALKERS] * len(settings) + [AHEAD_WALKERS] * len(unmeasured)
     costs = (emulated_speeds.cpu_seconds(inputs, setting) for setting in [*settings, *unmeasured])
     runs_s = sum(run_time.wall_time(each_s, count) for each_s, count in zip(costs, counts, strict=True))
@@ -264,7 +264,7 @@ def _predict_bands(
 
 
 def _caveats(inputs: FitInputs) -> list[str]:
-    """Return notes on errors that the bands do not include."""
+    """Return notes on the limits of the written files and bands."""
     notes = [
         "scene.toml and design.toml hold means and standard deviations. Correlations of parameters are in "
         "posterior.csv, and only bands.csv includes them"

@@ -51,8 +51,8 @@ class Posterior(NamedTuple):
 def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[SpeedModel]) -> tuple[Array, Array]:
     """Return the log-likelihood of each row of parameters `x`, shape (k, parameters), and chi2, each of shape (k,).
 
-    `observed`, `responses`: measured speeds and predicting function of each setting. Prints scatter independently. The
-    error of an emulator is common to all prints of its setting.
+    `observed`, `responses`: measured speeds and speed model of each setting. Prints scatter independently. The error
+    of a speed model is common to all prints of its setting.
     """
     total, squares = np.zeros(len(x)), np.zeros(len(x))
     for seen, response in zip(observed, responses, strict=True):

@@ -42,7 +42,7 @@ class SurrogateSpeed(NamedTuple):
         return mean, shared, np.hypot(slope * speeds.between_prints, print_scatter)
 
 
-def responses(inputs: FitInputs, settings: Sequence[Setting]) -> list[SurrogateSpeed]:
+def speed_models(inputs: FitInputs, settings: Sequence[Setting]) -> list[SurrogateSpeed]:
     """Return functions that predict the speed in each setting by the surrogate. Raises InputError where it cannot."""
     names = tuple(parameter.prior.name for parameter in inputs.unknown.sampled)
     by_setting = []

@@ -45,7 +45,7 @@ class Fitted(NamedTuple):
 
     @property
     def curves(self) -> dict[Kind, tuple[Array, Array, Array]]:
-        """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts, by kind."""
+        """Fitted curves by kind of legs: tilts (deg), speeds over plate speed, and their standard errors."""
         return {kind: _fitted_curve(self, kind) for kind in KINDS if kind in self.seen.legs}
 
 
@@ -100,7 +100,7 @@ def _fitted_curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     ones, result = np.ones_like(tilt), fitted.fit
     points = _make_speeds(fitted.design, fitted.speeds.mode, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
-    per_factor = least_squares.speeds_per_factor(points, values["restitution"], values["friction"])
+    per_factor = least_squares.speeds_at_unit_factor(points, values["restitution"], values["friction"])
     slopes = least_squares.jacobian(points, values, result.free)
     variance = np.einsum("ni,ij,nj->n", slopes, result.covariance, slopes)
     return tilt, values["impact_speed_factor"] * per_factor, np.sqrt(np.maximum(variance, 0.0))
