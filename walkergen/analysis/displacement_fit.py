@@ -131,7 +131,7 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Displac
 
 
 def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier: DisplacementFit) -> list[Spread]:
-    """Fit mean squared displacements by the law and the weights of an earlier fit.
+    """Fit mean squared displacements by the law (with or without runs) and the weights of an earlier fit.
 
     `squares` (mm^2, by `lag`) and `turns` (rad/s) are of samples too few to find a law or weights themselves.
     """

@@ -154,7 +154,7 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, settings: Settings) -> dict[str, float]:
-    """Compute the numbers of sums, by name. NaN: without meaning or fit, or added by `from_spread` (on a plane)."""
+    """Compute all numbers of sums, by name: NaN if one has no meaning or no fit. `from_spread` adds the others."""
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
     numbers["lane_speed"] = _ratio_or_nan(sums.run) / settings.interval
     _add_moments(numbers, "parallel", sums.along)

@@ -271,7 +271,7 @@ def _level_headings(tracks: Tracks, estimates: Mapping[str, Quantity], descent: 
 
 
 def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
-    """Return the mean turn per sample of each particle, rad; that of all if its own is unknown."""
+    """Return the mean turn per sample of each particle, rad; the mean over all particles if its own is unknown."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
     turns = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
@@ -346,7 +346,7 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
 
 
 def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Curve:
-    """Return the curve of `values` by lag: those of all samples, with errors from the others, without each one.
+    """Return the curve by lag of `values[0]`, of all samples, with errors from `values[1:]`, of those without each one.
 
     Errors are NaN beyond half of a sample's `length`. Lags and length are in positions.
     """

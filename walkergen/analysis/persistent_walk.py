@@ -16,9 +16,9 @@ from walkergen.core.numerics import Array, Complex
 
 
 def velocity_correlation(lag: Array, amplitude: float, rate: float, turn: float, window: float = 0.0) -> Complex:
-    """Return the correlation at lags (s): amplitude exp((-rate + i turn) lag); rate in 1/s, turn in rad/s.
+    """Return the complex autocorrelation at lags (s): amplitude exp((-rate + i turn) lag); rate in 1/s, turn in rad/s.
 
-    With a `window` (s) it is that of mean velocities over windows of this length whose starts lie
+    With a `window` (s) it is the autocorrelation of mean velocities over windows of this length whose starts lie
     `lag` >= window apart: exactly (sinh(z)/z)^2 as large, with z = (rate - i turn) window / 2.
     """
     exponent = complex(rate, -turn)

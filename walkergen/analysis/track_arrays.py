@@ -67,7 +67,7 @@ class ArrayFile(NamedTuple):
 
 
 def read_arrays(path: Path, lane: bool) -> Source | None:
-    """Read the rows of a NetCDF or HDF5 file; None for text or columns (`npz_lines`). Raises InputError."""
+    """Read the rows of a NetCDF or HDF5 file; None for text, and for NPZ (see `npz_lines`). Raises InputError."""
     begin = file_reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):

@@ -250,7 +250,7 @@ def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
 
 
 def _is_not_radians(table: Columns) -> bool:
-    """Return whether headings cannot be radians: these start within a turn, in steps of at most half a turn."""
+    """Return whether headings cannot be radians, which start within a turn, in steps of at most half a turn."""
     particle = table.values.get("particle", np.zeros(len(table.lines)))
     order = np.lexsort((table.values.get("frame", table.values.get("time", table.lines)), particle))
     order = order[~np.isnan(table.values["theta"][order])]

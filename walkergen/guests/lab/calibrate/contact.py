@@ -47,7 +47,7 @@ class Rebound(NamedTuple):
 
 
 def density(readings: Readings) -> Estimate | None:
-    """Return the density of the block, g/cm^3; None without its mass or a size. Raises InputError out of range."""
+    """Return the density of the block, g/cm^3; None without its mass or a size. Raises InputError if impossible."""
     block = readings.get("block", {})
     if any(name not in block for name in DENSITY_READINGS):
         return None

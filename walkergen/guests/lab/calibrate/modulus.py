@@ -117,7 +117,7 @@ def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]
 
 
 def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
-    """Compute the excess, in percent, of the modulus from the ring over that from weights.
+    """Compute the excess, in percent, of the modulus from ringing strips over that from strips under weights.
 
     Plastic that creeps while a weight hangs makes it positive. None unless readings of both methods determine it.
     """

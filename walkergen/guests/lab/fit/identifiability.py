@@ -95,7 +95,7 @@ def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
 
 
 def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
-    """Return a note if the model of this name describes the `count` speeds with no parameters; [] otherwise."""
+    """Return a note if even the best parameters of the `model` do not describe the `count` speeds; [] otherwise."""
     from scipy.stats import chi2
 
     chance = float(chi2.sf(sampled.chi2, count))

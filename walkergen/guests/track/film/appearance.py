@@ -138,7 +138,7 @@ def learn_appearance(
 
 
 def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:
-    """Measure the appearance of `dark` (else light) walkers in the widest window. Width 0 unless smaller windows agree.
+    """Measure the appearance of `dark` (else light) walkers in the widest window. Width 0 unless other windows agree.
 
     With the wrong `dark`, the gaps between walkers stand out. But these are as wide as the window allows.
     """

@@ -104,7 +104,7 @@ def find_shift(points: FixedPoints, frame: Grey, walkers: Sequence[Blob]) -> Arr
 
 
 def measure_shake(shifts: Sequence[Array]) -> Shake:
-    """Return the size of the shifts of many frames, shape (2,) each, about their mean. NaN is an unknown shift."""
+    """Return the size of the shifts of frames (pixels, shape (2,) each, NaN if unknown) about their mean."""
     known_shifts = np.array(shifts).reshape(-1, 2)
     known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
     if len(known_shifts) < 2:

@@ -67,7 +67,7 @@ class Lens(NamedTuple):
         return np.array([(self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]), (0.0, 0.0, 1.0)])
 
     def undistort(self, pixels: Array) -> Array:
-        """Correct places, shape (..., 2), for lens distortion, with the same focal length.
+        """Return positions in the picture, shape (..., 2), corrected for lens distortion, with the same focal length.
 
         Pixels count from the picture's upper left corner. Raises InputError where the lens has no solution.
         """
@@ -87,7 +87,7 @@ class Lens(NamedTuple):
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
 
     def undistort_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
-        """Correct blobs for lens distortion: places, directions, lengths and areas.
+        """Return blobs corrected for lens distortion: positions, directions, lengths and areas.
 
         `offset`: position (x, y) in the whole picture of the pixel from which the blobs' positions count.
         """

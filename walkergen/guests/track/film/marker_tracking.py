@@ -66,7 +66,7 @@ class Marked(NamedTuple):
 def track(film: Film, part: Box, request: TrackFields, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
     """Track walkers by their markers in a part of a film's frames, in the order of their numbers.
 
-    Returns also the plane and the corners that the tracks are based on. Raises InputError if there are none.
+    Returns also the plane and the corners behind the tracks. Raises InputError if no marker is read.
     """
     left, top, right, bottom = part
     if min(right - left, bottom - top) < 2.0 * MIN_SIDE_PX:

@@ -46,17 +46,17 @@ class Walker(NamedTuple):
 
     @property
     def lost(self) -> int:
-        """Number of frames between its first and its last that do not show it."""
+        """Number of frames between the walker's first and last that do not show it."""
         return int(self.frames[-1] - self.frames[0] + 1 - len(self.frames))
 
     @property
     def net_mm(self) -> float:
-        """Distance from its first place to its last, mm; a full circle has none."""
+        """Distance from the walker's first position to its last, mm; 0 after a full circle."""
         return math.dist(self.position[0], self.position[-1])
 
     @property
     def turned_deg(self) -> float | None:
-        """Change of its heading from the first that is known to the last, or None if none is known."""
+        """Change of the walker's heading, deg, from the first known one to the last; None if none is known."""
         known = self.theta[~np.isnan(self.theta)]
         return math.degrees(float(known[-1] - known[0])) if len(known) else None
 
