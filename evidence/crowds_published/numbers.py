@@ -72,7 +72,7 @@ def single_quantities(case: Case, results: Sequence[RunResult]) -> Mapping[str, 
 def polar_order(film: CrowdFilm) -> float:
     """Polar order: mean cosine between the headings of two walkers, 0 by chance, at most 1."""
     count = film.x.shape[1]
-    return float((count * (orders.polar(film) ** 2).mean() - 1.0) / (count - 1.0))
+    return float((count * (orders.polar_order(film) ** 2).mean() - 1.0) / (count - 1.0))
 
 
 def circulation(film: CrowdFilm) -> float:

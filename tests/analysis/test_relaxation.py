@@ -61,7 +61,7 @@ def test_the_delay_function_is_that_of_theory():
     one = Inertial(rotation=1.0, turn=2.0, relaxation=0.1, turn_relaxation=0.002)
     late = delay.measure(tracks(5, one, seconds=20.0, interval=0.02))
     at, value, se = late.function
-    expected = delay.inertial_delay(at, one.speed, one.rotation, one.turn, one.relaxation)
+    expected = delay.inertial_delay_function(at, one.speed, one.rotation, one.turn, one.relaxation)
     assert expected.max() > 20.0 * np.median(se[:20])  # the test can fail
     assert (np.abs(value - expected)[:100] < 4.0 * se[:100]).all()
     assert abs(late.mean.value - one.relaxation) < 3.0 * late.mean.se

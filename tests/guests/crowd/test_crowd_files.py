@@ -139,7 +139,7 @@ def test_tables_and_figures_hold_what_was_measured(dish):
     assert ("wall_speed_mm_s" in shown) == (dish == "disc:60")
     facts = crowd_tables.facts(found)
     assert facts["numbers"]["packing"]["se"] == 0.0
-    figures = crowd_figures.draw_functions(found, "crowd")
+    figures = crowd_figures.figure_functions(found, "crowd")
     assert ("crowd_walls" in figures) == (dish == "disc:60")
     assert all(draw().axes for draw in figures.values())
 
@@ -173,7 +173,7 @@ def test_odd_crowds_have_a_page_figures_and_files(name):
     tables = crowd_tables.make_tables(found)
     json.dumps(crowd_tables.facts(found), allow_nan=False)
     assert all("nan" not in table.csv() for table in tables)
-    for draw in crowd_figures.draw_functions(found, name).values():
+    for draw in crowd_figures.figure_functions(found, name).values():
         assert draw().axes
     assert crowd_movie.render_still(film, name).startswith(b"\x89PNG")
     for write in crowd_files.FORMATS.values():

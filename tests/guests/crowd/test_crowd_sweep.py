@@ -69,7 +69,7 @@ def test_each_row_is_what_the_command_crowd_says_of_the_same_crowd(calls, store)
         own = CrowdRequest(threads=2)
         crowd = crowd_space.make_population(own, point.scene, [point.design])
         numbers = simulate(own, crowd, silent).statistics.numbers
-        assert cells["walkers"] == len(crowd.numbers)
+        assert cells["walkers"] == len(crowd.kind_indices)
         assert cells["runs"] == 3
         for name in keep:
             unit = "_mm_s" if name == "speed" else ""

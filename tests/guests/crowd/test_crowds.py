@@ -114,10 +114,10 @@ def test_a_phase_that_moves_from_side_to_side_fluctuates_with_power_one():
 def test_headings_one_way_and_both_ways_along_a_line():
     film = gas("disc:100", 60, 5, 1)
     theta = np.full(film.x.shape, 0.7) + 2.0 * np.pi * np.arange(60)  # full turns do not count
-    assert order.polar(film._replace(theta=theta)) == pytest.approx(1.0)
+    assert order.polar_order(film._replace(theta=theta)) == pytest.approx(1.0)
     both = theta + np.pi * (np.arange(60) % 2)
-    assert order.polar(film._replace(theta=both)) == pytest.approx(0.0, abs=1e-12)
-    assert order.nematic(film._replace(theta=both)) == pytest.approx(1.0)
+    assert order.polar_order(film._replace(theta=both)) == pytest.approx(0.0, abs=1e-12)
+    assert order.nematic_order(film._replace(theta=both)) == pytest.approx(1.0)
     found = pairs.measure(film._replace(theta=both), np.linspace(0, 50, 21))
     assert np.nanmean(found.near_nematic) == pytest.approx(1.0)
 
@@ -126,8 +126,8 @@ def test_headings_one_way_and_both_ways_along_a_line():
 def test_the_order_of_chance_falls_as_the_root_of_the_number(walkers):
     film = gas("disc:100", walkers, 1500, 2)
     for values, chance in (
-        (order.polar(film), order.random_order(walkers)),
-        (order.nematic(film), order.random_order(walkers)),
+        (order.polar_order(film), order.random_order(walkers)),
+        (order.nematic_order(film), order.random_order(walkers)),
         (np.abs(order.circulation(film)), order.random_circulation(walkers)),
     ):
         error = values.std() / np.sqrt(len(values))

@@ -63,7 +63,7 @@ def test_clusters_are_freuds_by_distance(film, reach):
 
 
 def test_nematic_order_is_freuds_brought_from_space_to_a_plane(film):
-    found = order.nematic(film)
+    found = order.nematic_order(film)
     for frame, theta in enumerate(film.theta):
         rival = freud.order.Nematic()
         rival.compute(np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta]))

@@ -45,8 +45,8 @@ WALL_PANELS = (
 )
 
 
-def draw_functions(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
-    """Return functions that draw the figures that the crowd has data for, by the stems of their files."""
+def figure_functions(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
+    """Return functions that draw the figures, by the stems of their files. Figures without data are left out."""
     curves = statistics.curves
     # Curve that a figure needs, and the function that draws the figure
     draws: dict[str, tuple[str, Callable[[], Figure]]] = {
@@ -121,7 +121,7 @@ def _draw_msd(curves: Mapping[str, Curve], title: str) -> Figure:
 
 @style()
 def _draw_clusters(curves: Mapping[str, Curve], title: str) -> Figure:
-    """Draw the share of walkers in clusters of each octave of sizes."""
+    """Draw a bar chart: the share of walkers in clusters of 1, 2 to 3, 4 to 7 and more walkers."""
     figure, axes = new_axes(title)
     sizes, shares, se = curves["cluster_shares"]
     at = range(len(sizes))
@@ -134,7 +134,7 @@ def _draw_clusters(curves: Mapping[str, Curve], title: str) -> Figure:
 
 @style()
 def _draw_packing(statistics: CrowdStatistics, title: str) -> Figure:
-    """Draw the probability density of the local packing."""
+    """Draw the probability density of the packing in a box, and mark the packing of the whole dish."""
     figure, axes = new_axes(title)
     _draw_curve(axes, statistics.curves["local_packing"], SERIES[0], "")
     if (packing := statistics.numbers["packing"].value) is not None:

@@ -17,7 +17,7 @@ HEIGHT_RATIO = 0.5
 
 
 def to_csv(film: CrowdFilm) -> bytes:
-    """Write CSV with a header line and all digits: a row for each walker seen at each time."""
+    """Return a film as CSV with a header line and all digits: a row for each walker seen at each time."""
     frame, walker = np.nonzero(np.isfinite(film.x))
     rows = zip(
         film.times[frame].tolist(),
@@ -29,7 +29,7 @@ def to_csv(film: CrowdFilm) -> bytes:
 
 
 def to_xyz(film: CrowdFilm) -> bytes:
-    """Write extended XYZ: a frame for each time, with the walkers seen, wrapped into a periodic square."""
+    """Return a film as extended XYZ: a frame for each time. Positions are wrapped into a periodic square."""
     frame, walker = np.nonzero(np.isfinite(film.x))
     x, y = dish_geometry.wrap_places(film.x[frame, walker], film.y[frame, walker], film.dish)
     theta = np.nan_to_num(film.theta[frame, walker])
@@ -56,7 +56,7 @@ FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_x
 
 
 def _half_axes(film: CrowdFilm, kind: str) -> Array:
-    """Return half the length, width and height (mm) of the box around a kind of walker; 1 without outlines."""
+    """Return half the length, width and height (mm) of the box around a kind of walker: 1 if its outline is unknown."""
     if kind not in film.outlines:
         return np.ones(3)
     corners = np.concatenate(list(film.outlines[kind]))

@@ -68,7 +68,7 @@ def analyse(
         tables=crowd_tables.make_tables(statistics),
         facts=crowd_tables.facts(statistics),
         lines=[crowd_tables.summary_line(statistics)],
-        figures=crowd_figures.draw_functions(statistics, path.name),
+        figures=crowd_figures.figure_functions(statistics, path.name),
         folder=folder,
     )
     if folder is not None:
@@ -85,7 +85,13 @@ def analyse(
 
 
 def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
-    """Read a file of tracks as a film whose origin is the middle of the dish."""
+    """Read a file of tracks as a film whose origin is the middle of the dish.
+
+    Raises
+    ------
+    InputError
+        For walkers in a lane, or if more than MAX_OUTSIDE_SHARE of the positions lie outside the walls.
+    """
     read = track_files.read_tracks(path, units)
     if read.lane:
         raise InputError(f"‹dish›: {path} has walkers in a lane. A crowd needs a plane.")

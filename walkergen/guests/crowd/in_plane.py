@@ -33,7 +33,13 @@ TESTED_RANGE = (
 def make_population(
     request: CrowdRequest, scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population of `counts` walkers of each card; by default as many as the scene sets. Raises InputError."""
+    """Return a population of `counts` walkers of each card, by default as many as the scene sets.
+
+    Raises
+    ------
+    InputError
+        For a scene with a lid, which the card fixes, and as `check_population` does.
+    """
     crowd, lid = scene.crowd, scene.arena.lid_mm
     if lid is not None:
         raise InputError(f"arena.lid_mm = {lid:g}: the card fixes the lid. Leave the key out.")
@@ -93,7 +99,7 @@ class InPlane(NamedTuple):
 
 
 def check_packing(packing: float) -> None:
-    """Raise InputError for a packing outside the tested range of cards."""
+    """Raise InputError if the packing (area of walkers over that of the dish) is above the tested range of cards."""
     if round(packing, 2) > MAX_TESTED_PACKING:
         raise InputError(
             f"packing {packing:.3g}: {TESTED_RANGE}. Use fewer walkers, a larger ‹arena›, designs in place of cards, "
@@ -121,4 +127,4 @@ def _make_crowd(request: CrowdRequest, population: Population, number: int) -> l
     places = populations.place_walkers(population, [kind.outline for kind in population.kinds], number)
     cards = [kind.card for kind in population.kinds if kind.card]
     dish, seconds = population.scene.crowd.dish, _total_seconds(population)
-    return crowd_checks.make_crowd(cards, population.numbers, dish, places, seconds, request.rate_hz, seed)
+    return crowd_checks.make_crowd(cards, population.kind_indices, dish, places, seconds, request.rate_hz, seed)

@@ -31,7 +31,13 @@ COMPILE_RUN_S = 1e-6
 def make_population(
     request: CrowdRequest, scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None = None
 ) -> Population:
-    """Return a population of `counts` walkers of each design; by default as many as the scene sets."""
+    """Return a population of `counts` walkers of each design, by default as many as the scene sets.
+
+    Raises
+    ------
+    InputError
+        For more than MAX_WALKERS, and as `check_population` does.
+    """
     kinds = []
     for number, design in enumerate(designs):
         mass = mass_of(design)
@@ -88,7 +94,7 @@ class InSpace(NamedTuple):
 
 
 def cpu_seconds(request: CrowdRequest, population: Population) -> float:
-    """Estimate the CPU seconds of one run from a short piece of run 0, after its walkers have landed."""
+    """Estimate the CPU seconds of one run from a short piece of run 0. Return 0 if all walkers fall in it."""
     plan, times = _placement_function(population)(0), list[tuple[float, float]]()
     _compile_kernels(plan, request.rate_hz)
     is_moment_over = run_time.stop_after_moment()
@@ -117,7 +123,9 @@ def _placement_function(population: Population) -> Callable[[int], CrowdPlan]:
 def _make_plan(population: Population) -> CrowdPlan:
     """Make the plan of a crowd, with every walker at the origin. Raises InputError."""
     designs = [(kind.design, kind.mass) for kind in population.kinds if kind.design and kind.mass]
-    return crowds.prepare(population.scene, designs, population.numbers, np.zeros((len(population.numbers), 3)))
+    return crowds.prepare(
+        population.scene, designs, population.kind_indices, np.zeros((len(population.kind_indices), 3))
+    )
 
 
 def _contours_from_centre(population: Population, plan: CrowdPlan) -> list[list[Array]]:

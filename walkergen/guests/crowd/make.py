@@ -64,11 +64,11 @@ def _expected_time(request: CrowdRequest, population: Population) -> Expected:
 
 
 def simulate(request: CrowdRequest, population: Population, progress: Progress) -> Simulated:
-    """Place and simulate every run of the scene on the requested threads (`measure`), and compute its statistics.
+    """Place and simulate the walkers of every run, on the requested threads, and compute the crowd's statistics.
 
-    `Simulated.runs` are the runs in space (3D), empty for the model in the plane, which keeps only its films.
-    Any number of threads gives equal bits. After Ctrl-C, the runs that were done are returned; without any,
-    KeyboardInterrupt is raised again. Raises as `prepare` of its model does.
+    `Simulated.runs` is empty for the model in the plane, which keeps only its films. Any number of threads gives equal
+    bits. After Ctrl-C, the finished runs are returned. If no run is finished, KeyboardInterrupt is raised again. Raises
+    InputError as `InSpace.prepare` or `InPlane.prepare` does.
     """
     flat = population.model == "flat"
     crowd: InSpace | InPlane = (InPlane if flat else InSpace)(request, population)

@@ -75,10 +75,10 @@ def check_format(path: Path) -> None:
 
 
 def write(path: Path, film: CrowdFilm, title: str, fps: int, progress: Progress) -> int:
-    """Write a movie as .mp4 or .gif, or the last frame as .png. Return the number of frames.
+    """Write a movie as .mp4 or .gif, or the last frame as .png. Return the number of frames in it.
 
-    A GIF has the nearest frame rate that the format allows. With thousands of moving walkers a frame takes some 0.13
-    MB, in an MP4 a fifth of it. Raises InputError as `check_format` does.
+    `fps`: frames per second. A GIF has the nearest rate that the format allows. Raises InputError as `check_format`
+    does, and if ffmpeg fails.
     """
     check_format(path)
     suffix = path.suffix.lower()
@@ -109,9 +109,18 @@ def render_still(film: CrowdFilm, title: str) -> bytes:
 
 
 def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> Draw:
-    """Make a function that draws a frame, with walkers coloured by heading, or by kind if headings are unknown.
+    """Return a function from the number of a frame to its picture.
 
-    `fps`: frames per second of the movie, for the ratio to real speed in the caption; None for a still.
+    Walkers are coloured by heading, or by kind if headings are unknown.
+
+    Parameters
+    ----------
+    film : CrowdFilm
+        Film to draw.
+    title : str
+        Title of the picture.
+    fps : int, optional
+        Frames per second of the movie, for the ratio to real speed in the caption; None for a still.
     """
     length, width = film.dish.box
     scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)
@@ -201,7 +210,7 @@ def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
 
 
 def _walker_size(film: CrowdFilm) -> float:
-    """Return the mean outer diameter, or without outlines half the distance to a neighbour, mm."""
+    """Return the mean outer diameter of the walkers, mm. If sizes are unknown, return half the mean spacing."""
     if film.has_sizes:
         return 2.0 * float(film.radii.mean())
     return 0.5 * math.sqrt(film.dish.area / film.x.shape[1])
@@ -215,7 +224,7 @@ def _symbol_outline(film: CrowdFilm) -> Array:
 
 
 def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Array, film: CrowdFilm) -> None:
-    """Show the walkers of a kind that are seen in a frame, with images in a periodic square.
+    """Set the artist of a kind to the walkers seen in a frame. A periodic square also shows their images.
 
     `x`, `y` (mm), `theta` (rad), shape (N,), and `colours`, shape (N, 3), are those of all walkers of the film.
     """
@@ -232,7 +241,17 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, colours: Arr
 
 
 def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
-    """Append images across a periodic square's edges to `places` (n, 2) and `walkers` (n,). `reach`: of corners, mm."""
+    """Return `places` (n, 2) and `walkers` (n,) with images across the edges of a periodic square appended.
+
+    Parameters
+    ----------
+    places, walkers : ndarray
+        Position (mm) and index of each walker.
+    period : float
+        Side of the square, mm.
+    reach : float
+        Largest coordinate of a corner of the body, from its position, mm.
+    """
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
         other = places[over]

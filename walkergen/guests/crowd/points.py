@@ -26,17 +26,17 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """Return the name that tables give to the source of these numbers."""
+    """Return "crowds", the source of the numbers as titles of tables name it."""
     return "crowds"
 
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of records that keep these statistics, without the status."""
+    """Return the names of a record's columns for the statistics in `keep`, without the status."""
     return (*SIZE_COLUMNS, *(column for name in keep for column in statistic_columns(name)))
 
 
 def statistic_columns(name: str) -> tuple[str, str, str, str]:
-    """Return the columns of a statistic of `UNITS`: value, standard error, bounds of 95 %."""
+    """Return the names of the columns of a statistic: value, standard error, lower and upper bound of 95 %."""
     unit = f"_{UNITS[name]}" if UNITS[name] else ""
     return f"{name}{unit}", f"{name}_se{unit}", f"{name}_low_95{unit}", f"{name}_high_95{unit}"
 
@@ -68,7 +68,7 @@ def evaluate(point: Point) -> Record:
     if len(simulated.films) < point.scene.run.runs:
         raise KeyboardInterrupt
     measured = simulated.statistics
-    sizes = len(population.numbers), measured.runs, point.scene.run.seconds
+    sizes = len(population.kind_indices), measured.runs, point.scene.run.seconds
     record = _run_status(simulated) | dict(zip(SIZE_COLUMNS, sizes, strict=True))
     for name, estimate in measured.numbers.items():
         bounds = estimate.interval(0.95) or (None, None)

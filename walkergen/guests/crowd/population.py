@@ -58,7 +58,7 @@ class Population(NamedTuple):
         return "space" if self.kinds[0].card is None else "flat"
 
     @property
-    def numbers(self) -> tuple[int, ...]:
+    def kind_indices(self) -> tuple[int, ...]:
         """Index in `kinds` of each walker, in ascending order."""
         return tuple(number for number, kind in enumerate(self.kinds) for _ in range(kind.walkers))
 
@@ -81,12 +81,12 @@ class Simulated(NamedTuple):
 
     @property
     def outcomes(self) -> Counter[str]:
-        """Number of walkers of all runs for each outcome."""
+        """Number of walkers with each outcome, all runs together."""
         return Counter(outcome for run in self.runs for outcome in run.outcomes)
 
     @property
     def fallen(self) -> dict[str, int]:
-        """Number of walkers of all runs that did not reach the end, for each outcome."""
+        """Number of walkers with each outcome other than reaching the end, all runs together."""
         return {name: count for name, count in self.outcomes.items() if name not in GOOD_OUTCOMES}
 
     @property
@@ -96,12 +96,12 @@ class Simulated(NamedTuple):
 
 
 def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
-    """Return the film of a run, seen from above. `times`: s, shape (F,).
+    """Return the film of a run, seen from above, from the walkers' poses at `times` (s, shape (F,)).
 
     `poses`: x, y (mm) and heading (rad) come first, shape (F, N, 3 or more).
     """
     outlines = {kind.name: kind.outline for kind in population.kinds}
-    names = [population.kinds[number].name for number in population.numbers]
+    names = [population.kinds[number].name for number in population.kind_indices]
     return from_positions(times, poses, names, outlines, population.scene.crowd.dish)
 
 
@@ -119,7 +119,7 @@ def check_population(request: CrowdRequest, population: Population) -> None:
             f"‹rate_hz=›{rate_hz:g}: a run of {run.seconds:g} s has fewer than {MIN_FRAMES} frames. "
             "Raise ‹rate_hz› or ‹seconds›."
         )
-    check_sample_count(population.scene, 1.0 / (rate_hz * len(population.numbers)), run.runs)
+    check_sample_count(population.scene, 1.0 / (rate_hz * len(population.kind_indices)), run.runs)
 
 
 def place_walkers(population: Population, contours: Sequence[Sequence[Array]], number: int) -> Array:
@@ -128,5 +128,5 @@ def place_walkers(population: Population, contours: Sequence[Sequence[Array]], n
     `contours`: outlines of each kind. Poses are x, y (mm) and heading (rad) of the contours' origins.
     """
     stream = np.random.SeedSequence([population.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
-    outlines = [contours[kind] for kind in population.numbers]
+    outlines = [contours[kind] for kind in population.kind_indices]
     return place_outlines(outlines, population.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)

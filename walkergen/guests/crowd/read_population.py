@@ -32,7 +32,7 @@ def read_population(request: CrowdRequest) -> Population:
 
 
 def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
-    """Return whether the crowd is in a plane: all sources are cards. Raises InputError if they fit no model."""
+    """Return whether all sources are cards. Raises InputError for a mixture, or if the request's model needs others."""
     cards = [is_card(source) for source in sources]
     if all(cards) and request.model != "space":
         return True
@@ -56,7 +56,7 @@ def is_card(source: Any) -> bool:
 
 
 def _load_designs(request: CrowdRequest, given: Inputs, sources: list[Any]) -> list[Design]:
-    """Load the designs of a crowd. A tilt and a kind of legs may only be set for a single design."""
+    """Load the designs of a crowd. Raises InputError if tilt or legs are set for more than one design."""
     if len(sources) > 1:
         request.check_unset(f"is for one design, not for {len(sources)}", "tilt", "legs")
         return [given.design(source) for source in sources]

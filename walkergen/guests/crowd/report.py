@@ -89,7 +89,7 @@ def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport
         },
         lines=[tables.summary_line(statistics), *([in_plane.TESTED_RANGE] if population.model == "flat" else [])],
         warnings=list(_warnings(simulated)),
-        figures=crowd_figures.draw_functions(statistics, title),
+        figures=crowd_figures.figure_functions(statistics, title),
         folder=folder,
         simulated=simulated,
     )
@@ -102,7 +102,7 @@ def crowd_title(population: Population) -> str:
 
 
 def crowd_caption(population: Population) -> str:
-    """Describe the simulation, without a full stop."""
+    """Describe the model, the scene or the cards, and the packing in a line, without a full stop."""
     crowd = population.scene.crowd
     if population.model == "flat":
         cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in population.kinds if kind.card)
@@ -142,7 +142,13 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
 
 
 def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress) -> CrowdReport:
-    """Write everything into a folder and return the report. Raises OutputError for a file that it must not replace."""
+    """Write page, tables, figures, tracks and manifest into a folder, and return the report.
+
+    Raises
+    ------
+    OutputError
+        For a file that walkergen must not replace.
+    """
     with Folder(folder) as target:
         report.write(target, pictures)
         if pictures:

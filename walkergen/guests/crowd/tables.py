@@ -32,7 +32,7 @@ CURVE_TABLES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 
 
 def make_tables(statistics: CrowdStatistics) -> list[Table]:
-    """Return tables of the numbers with errors (shown to people), of their course, of each run, and of curves."""
+    """Return tables: numbers with errors (shown to people), their course in time, numbers of each run, and curves."""
     numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
     rows = [_row(statistics, number) for number in numbers.values()]
     shown_rows = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
@@ -64,7 +64,7 @@ def facts(statistics: CrowdStatistics) -> dict[str, Any]:
 
 
 def summary_line(statistics: CrowdStatistics) -> str:
-    """Describe the measurement in a sentence."""
+    """Describe the runs, their length, their walkers and their dish in a sentence."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
         f"{runs} of {format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
@@ -108,7 +108,7 @@ def _curve_tables(statistics: CrowdStatistics) -> Iterator[Table]:
 
 
 def _error_key(key: str) -> str:
-    """Return the key of a curve's standard error: the unit stays last."""
+    """Return the key of a curve's standard error: speed_mm_s gives speed_se_mm_s."""
     for unit in ("_mm_s", "_mm2"):
         if key.endswith(unit):
             return f"{key.removesuffix(unit)}_se{unit}"

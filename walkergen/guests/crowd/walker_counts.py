@@ -17,7 +17,7 @@ DEFAULT_RUNS = 4
 def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     """Parse a number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
 
-    Raises ValueError, InputError for none or too many.
+    Raises ValueError for any other form, and InputError for a total below 1 or too large.
     """
     whole = parse_count(value, MAX_WALKERS) if isinstance(value, str) else value
     if isinstance(whole, int) and not isinstance(whole, bool):
@@ -51,7 +51,7 @@ def check_count(count: int, source: str) -> int:
 
 
 def walker_count(scene: Scene, area_mm2: float) -> int:
-    """Return the number of walkers that a scene requests, each of this area. Raises InputError."""
+    """Return the number of walkers, of this area each, that a scene sets by count or packing. Raises InputError."""
     crowd, dish = scene.crowd, scene.crowd.dish
     if crowd.packing is None:
         count = DEFAULT_COUNT if crowd.count is None else crowd.count

@@ -48,7 +48,7 @@ class _Number(Section):
 
 
 def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
-    """Convert a number as the file has it (`data`, a dict) to a quantity named after its field. Keep quantities."""
+    """Convert a number as the file has it (a dict) to a quantity named after its field. Return a quantity unchanged."""
     if isinstance(data, Quantity):
         return data
     number: _Number = validate(data)
@@ -137,7 +137,7 @@ class Card(Section):
     def _check_contours(cls, contours: list[Contour]) -> list[Contour]:
         """Return the contours. Raises ValueError for one that is clockwise or too small."""
         for number, contour in enumerate(contours, start=1):
-            size = area(contour)
+            size = signed_area(contour)
             if size < MIN_AREA_MM2:
                 raise ValueError(
                     f"contour {number} encloses {size:.3g} mm2: must be counter-clockwise and >= "
@@ -180,7 +180,7 @@ class Card(Section):
         return self
 
 
-def area(contour: Contour) -> float:
+def signed_area(contour: Contour) -> float:
     """Return the area that a contour encloses, mm^2; negative if it runs clockwise."""
     after = [*contour[1:], contour[0]]
     return 0.5 * sum(x * v - u * y for (x, y), (u, v) in zip(contour, after, strict=True))

@@ -68,13 +68,23 @@ def measure(tracks: Tracks) -> Delay:
     return Delay(_mean_delay(areas, lost), end * tracks.interval, curve)
 
 
-def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxation: float) -> Array:
-    """Compute the delay function (mm/s) of a particle with inertia at lags in s.
+def inertial_delay_function(lag: Array, speed: float, diffusion: float, turning: float, relaxation: float) -> Array:
+    """Compute the delay function (mm/s) of a particle with inertia, whose turning has no memory.
 
-    `speed`: propulsion speed (mm/s). `rate`: rotational diffusion of the heading (rad^2/s), without memory. `turn`:
-    turning rate (rad/s). `relaxation`: relaxation time of the velocity (s, > 0).
+    Parameters
+    ----------
+    lag : ndarray
+        Lags, s.
+    speed : float
+        Speed that propulsion alone would give, mm/s.
+    diffusion : float
+        Rotational diffusion of the heading, rad^2/s.
+    turning : float
+        Mean turning rate, rad/s.
+    relaxation : float
+        Relaxation time of the velocity (> 0), s.
     """
-    decay = complex(rate, -turn)
+    decay = complex(diffusion, -turning)
     heading_memory, velocity_memory = np.exp(-decay * lag), np.exp(-lag / relaxation)
     velocity_first = heading_memory / (1.0 + decay * relaxation)
     heading_first = (heading_memory - velocity_memory) / (1.0 - decay * relaxation)
@@ -117,7 +127,7 @@ def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
 def _correlation_sums(velocity: Complex, unit: Complex, lags: Whole) -> Array:
     """Return sums of v(t) . e(0) and their numbers of pairs, then the same of v(0) . e(t), shape (4, lags).
 
-    Each is at half an interval more than its lag.
+    Velocities are means over an interval: the time between v and e is half an interval more than the lag.
     """
     after, pairs = lag_sums.sum_cross_products(unit[:-1], velocity, lags)
     before, others = lag_sums.sum_cross_products(velocity, unit[1:], lags)

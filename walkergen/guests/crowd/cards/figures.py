@@ -32,7 +32,7 @@ def draw_card(card: Card, measured: Measured) -> Figure:
 
 
 def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
-    """Draw the measured squared displacement, and the one that follows from the card: run and pushes add up."""
+    """Draw the measured squared displacement, and that of the card: its run, its pushes, and their sum."""
     at, value, _ = measured.motion.msd
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
@@ -94,7 +94,7 @@ def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
     if time > 0.0:
         fine = np.linspace(0.0, float(at[-1]), 300)
         rate, turn = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
-        expected = delay.inertial_delay(fine, card.propulsion_mm_s, rate, turn, time)
+        expected = delay.inertial_delay_function(fine, card.propulsion_mm_s, rate, turn, time)
         axes.plot(fine, expected, color=FITTED.colour, label="card: inertia alone")
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.2 * (high - low))

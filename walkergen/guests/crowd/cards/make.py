@@ -57,19 +57,19 @@ def run(request: CrowdRequest, progress: Progress) -> CardReport:
 
 
 def default_folder(design: Design) -> Path:
-    """Return the default folder of a card: below out/ and the walker's name."""
+    """Return the default folder of a design's card: out/NAME/card_PART."""
     return Path("out") / design.name / f"card_{part_name(design)}"
 
 
 def from_design(scene: Scene, design: Design, progress: Progress) -> CardReport:
-    """Measure a card from simulated runs of a single walker. Raises InputError if that fails."""
+    """Return the report of a card, measured from simulated runs of one walker. Raises InputError on failure."""
     mass = mass_of(design)
     motion = walker_motion.simulate_walker(scene, design, mass, progress)
     return report.make_report(make_card(scene, design, mass, motion), motion)
 
 
 def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
-    """Measure the card of filmed walkers of a design from a file of tracks. Raises InputError if that fails."""
+    """Return the report of a card, measured from tracks of a design's filmed walkers. Raises InputError on failure."""
     motion = walker_motion.measure_film(path, units, scene)
     return report.make_report(make_card(scene, design, mass_of(design), motion), motion)
 

@@ -26,10 +26,10 @@ SOURCES = (
 def assess_inertia(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> Overdamped:
-    """Decide whether a model without inertia is enough, from a walker's turn and coasting distance."""
-    shares = inertial_shares(speed, turning, rotation, velocity, length_mm)
-    reason = "; ".join(map(_format_share, shares))
-    verdicts = {share.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for share in shares}
+    """Return whether a model without inertia is enough, judged by a walker's turn and coasting distance."""
+    distances = turn_and_coasting(speed, turning, rotation, velocity, length_mm)
+    reason = "; ".join(map(_format_with_limit, distances))
+    verdicts = {distance.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for distance in distances}
     if Verdict.DISAGREE in verdicts:
         return Overdamped(enough=False, reason=reason)
     if verdicts == {Verdict.AGREE}:
@@ -37,10 +37,10 @@ def assess_inertia(
     return Overdamped(enough=None, reason=f"{reason}: too close to the limit to decide")
 
 
-def inertial_shares(
+def turn_and_coasting(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> tuple[Quantity, Quantity]:
-    """Compute how far a walker turns (rad) and coasts (in its lengths) while its velocity relaxes."""
+    """Compute the angle (rad) by which a walker turns, and its path (in its lengths), while its velocity relaxes."""
     time, time_se = velocity.time.number, velocity.time.se or 0.0
     rate = rotation.number + abs(turning.number)
     rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)
@@ -55,14 +55,14 @@ def inertial_shares(
     )
 
 
-def _format_share(share: Quantity) -> str:
-    """Format the turn or the coasting distance with its error, and its side of the limit."""
-    side = "above" if share.number > NEGLIGIBLE_SHARE else "below"
-    return f"{share.key}: {format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
+def _format_with_limit(distance: Quantity) -> str:
+    """Format the turn or the coasting distance with its error, and whether it is above or below the limit."""
+    side = "above" if distance.number > NEGLIGIBLE_SHARE else "below"
+    return f"{distance.key}: {format_with_error(distance.number, distance.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
 
 
 def format_verdict(verdict: Overdamped) -> str:
-    """Describe a verdict in a sentence."""
+    """Describe in a sentence whether a model without inertia is enough, and why."""
     answer = {
         True: "is enough for this walker",
         False: "is not enough for this walker",

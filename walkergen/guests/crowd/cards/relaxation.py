@@ -59,9 +59,9 @@ class Relaxation(NamedTuple):
 
 
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
-    """Measure the velocity's relaxation and the translational diffusion (mm^2/s) of each axis.
+    """Measure the relaxation of the velocity, and the translational diffusion (mm^2/s) along one axis.
 
-    They are found by iteration, as the lag behind the heading depends on the relaxation time.
+    Both are means over two axes. They are found by iteration: the lag behind the heading depends on the relaxation.
     """
     relaxation_time, piece_size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
     relaxation, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
@@ -91,13 +91,13 @@ def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]
 
 
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
-    """Measure the velocity's relaxation along the earlier heading. `both`, `diffusion`: from `measure_velocity`."""
+    """Measure the relaxation of the velocity along the heading. `both`, `diffusion`: results of `measure_velocity`."""
     fluctuations, parts_ahead = [], []
     for track in tracks.tracks:
         rest, middle_heading = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
         fluctuations.append(rest)
         parts_ahead.append((rest * np.conj(middle_heading)).real * middle_heading)
-    return fit_relaxation(VELOCITY_KEY, fluctuations, tracks.interval, exact, diffusion, axes=1, parts=parts_ahead)
+    return fit_relaxation(VELOCITY_KEY, fluctuations, tracks.interval, exact, diffusion, axes=1, earlier=parts_ahead)
 
 
 def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
@@ -112,21 +112,34 @@ def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxat
 
 def fit_relaxation(
     key: str,
-    rest: Sequence[Complex],
+    fluctuations: Sequence[Complex],
     interval: float,
     exact: bool,
     diffusion: Quantity,
     axes: int = 2,
-    parts: Sequence[Complex] | None = None,
+    earlier: Sequence[Complex] | None = None,
 ) -> Relaxation:
-    """Fit the relaxation `key` to the correlation of fluctuations, with a jackknife over independent samples.
+    """Fit an exponential to the correlation of fluctuations: its time is the relaxation, a quantity named `key`.
 
-    `rest`: fluctuations of each track about its mean, one for each `interval` (s). `axes`: number of axes of `rest`, 1
-    or 2. `diffusion`: of each axis. `parts`: earlier fluctuations that are correlated with later `rest`; by default
-    `rest`. If positions have noise, neighbouring intervals share it, so the fit starts at the second lag.
+    Parameters
+    ----------
+    key : str
+        Name of the quantity.
+    fluctuations : sequence of ndarray
+        Fluctuations of each track about its mean, one for each interval.
+    interval : float
+        Time between fluctuations, s.
+    exact : bool
+        False if positions have noise. Neighbouring intervals share it, so the fit then starts at the second lag.
+    diffusion : Quantity
+        Diffusion of each axis.
+    axes : int
+        Number of axes of the fluctuations: 1 or 2.
+    earlier : sequence of ndarray, optional
+        Fluctuations with which the later `fluctuations` are correlated, by default the same.
     """
-    pieces = _independent_samples(rest)
-    earlier = pieces if parts is None else _independent_samples(parts)
+    pieces = _independent_samples(fluctuations)
+    first_parts = pieces if earlier is None else _independent_samples(earlier)
     length = max((len(piece) for piece in pieces), default=0)
     longest = length // 4
     lags = np.arange(min(longest, MAX_LAGS) + 1, dtype=np.int64)
@@ -137,9 +150,9 @@ def fit_relaxation(
             f"{MIN_SAMPLES} of {4 * (first + 3)} are needed. Use more runs or longer films"
         )
         return _missing_relaxation(key, diffusion.refused or too_few)
-    sums = [lag_sums.sum_cross_products(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
+    sums = [lag_sums.sum_cross_products(part, piece, lags) for part, piece in zip(first_parts, pieces, strict=True)]
     # Each track's own mean was taken off: what that removed of every product.
-    seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
+    seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in fluctuations])) * interval
     removed = 2.0 * diffusion.value / seconds
     total, pairs = (np.sum(parts, axis=0) for parts in zip(*sums, strict=True))
     whole, *without = [  # correlations of all samples, and without each in turn
@@ -241,7 +254,7 @@ def _headings(track: Track) -> Array:
 
 
 def _lagged_heading(track: Track, samples: float) -> Complex:
-    """Return a velocity that relaxes to the unit heading within `samples` intervals: its mean over each interval."""
+    """Return the heading's unit vector, lagged by a relaxation of `samples` intervals, as a mean over each interval."""
     heading, count = _headings(track), len(track.position)
     (known,) = np.nonzero(~np.isnan(heading))
     if len(known) < 2:
@@ -271,7 +284,7 @@ def _residual_velocity(track: Track, followed: Complex, skip: int, interval: flo
 
 
 def _residuals_and_headings(track: Track, relaxation_time: float, interval: float) -> tuple[Complex, Complex]:
-    """Return the velocity that the heading does not explain (mm/s) and the middle heading, by interval."""
+    """Return `_residual_velocity` (mm/s) and the heading's unit vector in each interval after the transient."""
     skip = math.ceil(TRANSIENT_RELAXATIONS * relaxation_time / interval)
     rest = _residual_velocity(track, _lagged_heading(track, relaxation_time / interval), skip, interval)
     heading = np.exp(1j * _headings(track))
@@ -307,7 +320,7 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
 def _piece_displacements(
     track: Track, followed: Complex, skip: int, size: int, interval: float
 ) -> tuple[Complex, Complex, Array]:
-    """Return displacement (mm), path along `followed` (s) and time (s) of each piece of about `size` samples."""
+    """Return displacement (mm), integral of `followed` (s) and duration (s) of each piece of about `size` samples."""
     place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []

@@ -69,9 +69,10 @@ class Measured(NamedTuple):
 
 
 def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
-    """Simulate runs of a single walker, level and on a slope; each run is another print if the scene varies prints.
+    """Measure the motion of a walker in simulated runs, level and on a slope.
 
-    Raises InputError if the walker cannot turn in the scene, if the plate sways, or if too few runs end well.
+    Each run is another print if the scene varies prints. Raises InputError if the walker cannot turn in the scene, if
+    the plate sways, or if no run ends well.
     """
     sway.check_still_plate(scene, "a card needs a plate that moves up and down equally everywhere")
     if scene.arena.kind != "plane":

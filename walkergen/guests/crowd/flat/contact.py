@@ -62,8 +62,8 @@ class Contacts(NamedTuple):
 def restitution(zeta: float) -> float:
     """Return the speed after a hit over the speed before, for a spring and a dashpot that never pull.
 
-    They part when the force is zero (Schwager and Poeschel, Granular Matter 9, 465, 2007). `zeta`: damping over its
-    critical value 2 sqrt(k m).
+    `zeta`: damping over its critical value 2 sqrt(k m). Bodies part when the force is zero (Schwager and Poeschel,
+    Granular Matter 9, 465, 2007).
     """
     if abs(zeta - 1.0) < 1e-6:
         return math.exp(-2.0)
@@ -87,7 +87,7 @@ def typical_inverse_mass(card: Card) -> float:
 
 
 def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
-    """Compute the contacts of all kinds and walls, and their time step. Arguments: card, motion and discs by kind."""
+    """Compute the contacts of all kinds with each other and with walls, and the longest step that resolves them."""
     inverses = [typical_inverse_mass(card) for card in cards]
     overlap = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
     speed = max(2.0 * _approach_speed(motion) for motion in motions)
@@ -118,11 +118,11 @@ def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequen
 
 def _approach_speed(motion: Motion) -> float:
     """Return the typical speed (mm/s) of a body's point whose distance from C is the radius of gyration."""
-    speed, rate = motion.typical
+    speed, rate = motion.typical_speed_and_turning
     return speed + rate * math.sqrt(motion.inertia / motion.mass)
 
 
 def _contact_law(stiffness: float, mass: float, target_restitution: float, friction: float) -> Contact:
-    """Return the forces of a contact with this stiffness (g/s^2), effective mass (g), restitution and friction."""
+    """Return the contact that has this stiffness (g/s^2), effective mass (g), restitution and friction."""
     root = math.sqrt(stiffness * mass)
     return Contact(stiffness, 2.0 * damping_ratio(target_restitution) * root, TANGENTIAL_DAMPING * root, friction)

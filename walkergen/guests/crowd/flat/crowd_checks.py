@@ -31,7 +31,7 @@ def make_crowd(
     seed: int,
     running: bool = False,
 ) -> lammps_input.Crowd:
-    """Create the input for a run of N walkers in a dish. Raises InputError if it is invalid.
+    """Create the input for a run of N walkers in a dish. Raises InputError for an invalid argument.
 
     `kinds`: index in `cards` of each walker, shape (N,). `places`: x, y (mm) and heading (rad) without overlaps, shape
     (N, 3). `running`: whether walkers start at the speeds of their cards, instead of at rest.

@@ -87,7 +87,8 @@ def inscribed_radius(card: Card) -> float:
 def cover_outline(card: Card, tolerance: float) -> Discs:
     """Choose discs inside a card's outline so that no point of it is farther than `tolerance` (mm) from them.
 
-    Tips that need radii below half the tolerance stay uncovered. Greedy: each disc covers the most uncovered points.
+    Each disc is the one that covers the most uncovered points. Tips that need radii below half the tolerance stay
+    uncovered. Raises InputError if all discs would be smaller.
     """
     edge = outline_rim(card)
     radii = _inscribed_radii(edge)

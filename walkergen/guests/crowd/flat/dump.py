@@ -38,7 +38,7 @@ def read_frames(path: Path, walkers: int, frames: int) -> Array:
 
 
 def _read_frame(stream: TextIO, walkers: int) -> Array | None:
-    """Read x, y and heading from the next frame, shape (walkers, 3); None if the file ends before its end."""
+    """Read x, y and heading from the next frame, shape (walkers, 3). Return None if the file ends within the frame."""
     head = [stream.readline() for _ in range(9)]  # the fourth is the number of rows, the ninth names the columns
     if not head[8].endswith("\n"):
         return None

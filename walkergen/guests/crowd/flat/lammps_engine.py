@@ -66,11 +66,11 @@ def find_lammps() -> Engine:
     except (OSError, subprocess.TimeoutExpired) as error:
         program = engine.program
         raise InputError(f"LAMMPS ({program}) cannot be run: {error}. {_advice()}") from None
-    return engine._replace(release=check_release(help_text, engine.program))
+    return engine._replace(release=parse_release(help_text, engine.program))
 
 
-def check_release(help_text: str, program: str) -> date:
-    """Parse the release of a LAMMPS from the output of `lmp -h`. Raises InputError if it is old or lacks packages."""
+def parse_release(help_text: str, program: str) -> date:
+    """Return the release date of a LAMMPS from the output of `lmp -h`. Raises InputError if it is old or incomplete."""
     stamp = RELEASE_PATTERN.search(help_text)
     if stamp is None:
         raise InputError(f"{program}: reports no version of LAMMPS. {_advice()}")

@@ -69,7 +69,7 @@ class Mechanics(NamedTuple):
 
 
 def outline_tolerance(cards: Sequence[Card]) -> float:
-    """Return the largest distance (mm) of outlines from their discs: a share of the narrowest walker's widest disc."""
+    """Return the allowed distance (mm) of outlines from their discs: a share of the narrowest walker's widest disc."""
     return DISC_TOLERANCE * min(discs.inscribed_radius(card) for card in cards)
 
 

@@ -41,14 +41,20 @@ class Motion(NamedTuple):
     """w0, rad/s."""
 
     @property
-    def typical(self) -> tuple[float, float]:
+    def typical_speed_and_turning(self) -> tuple[float, float]:
         """Typical speed of C (mm/s) and turning rate (rad/s): mean plus one standard deviation."""
         drive = abs(self.push) * self.relaxation / self.mass
         return (drive + math.sqrt(self.heat / self.mass), abs(self.turning) + math.sqrt(self.spin_heat / self.inertia))
 
 
 def from_card(card: Card) -> Motion:
-    """Compute the forces and noise of a card. Raises InputError if a relaxation time is zero."""
+    """Compute the forces and noise that reproduce a card's numbers.
+
+    Raises
+    ------
+    InputError
+        If a relaxation time is zero, or if the walker turns too fast for a mean speed.
+    """
     tau = _check_relaxation_time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
     turn_time, side_time = card.turning_relaxation_s, card.sideways_relaxation_s
     tau_r = tau if turn_time is None else _check_relaxation_time(card, "turning_relaxation_s", turn_time.number)
@@ -74,8 +80,22 @@ def from_card(card: Card) -> Motion:
 def speed_ratio(tau: float, tau_r: float, rotation: float, turning: float) -> float:
     """Compute the mean speed along the heading over the speed V that the push alone would give.
 
-    The velocity is an average of past headings, weighted by exp(-t/tau)/tau. A heading of a time t ago has kept cos(w0
-    t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))). `rotation` is D_R (rad^2/s), `turning` is w0 (rad/s).
+    The velocity averages the headings of all times t ago, weighted by exp(-t/tau)/tau. The share of such a heading that
+    is left is cos(w0 t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))).
+
+    Parameters
+    ----------
+    tau, tau_r : float
+        Relaxation times of the velocity and of the turning rate, s.
+    rotation : float
+        Rotational diffusion D_R, rad^2/s.
+    turning : float
+        Mean turning rate w0, rad/s.
+
+    Raises
+    ------
+    InputError
+        If the walker turns too fast for that average.
     """
 
     def integrand(age_over_tau: float) -> float:

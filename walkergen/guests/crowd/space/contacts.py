@@ -166,7 +166,7 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 
 @kernel_without_refcount
 def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
-    """Push bodies i and j (or a wall, j = -1) apart where they touch, or store the energy of the contact.
+    """Push bodies i and j (or a wall, j = -1) apart at one contact, or only store its energy, as `pushes` selects.
 
     Changes the bodies' states and the crowd's book. The touch is at (x, z) of the plane (body i's image). Its normal
     (n_x, n_z) points from j to i. In each body's axes it is the point (b_x, y_i, b_z) of i and (c_x, y_j, c_z) of j.
@@ -260,7 +260,7 @@ def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
 
 @lean
 def _resolve_corners(crowd, i, j, layer, first, pushes):
-    """Resolve contacts of the corners of body i with body j in a layer. Return how many touch.
+    """Resolve the contacts of corners of body i with body j in a layer. Return the number of corners that touch.
 
     `first`: whether i comes first in the pair and so counts contacts of corner on corner.
     """
@@ -294,7 +294,7 @@ def _resolve_corners(crowd, i, j, layer, first, pushes):
 
 @kernel_without_refcount
 def resolve_pair(crowd, i, j, pushes):
-    """Apply the contact impulses between bodies i and j, or add up energy. Return the number of corners in touch."""
+    """Resolve all contacts between bodies i and j, as `pushes` selects. Return the number of corners that touch."""
     count = 0
     for layer in range(2):
         count += _resolve_corners(crowd, i, j, layer, True, pushes)  # i is the first body
@@ -304,7 +304,7 @@ def resolve_pair(crowd, i, j, pushes):
 
 @lean
 def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
-    """Call `_resolve_contact` with these arguments for body i and a wall if `depth` > 0. Return 1 if so, else 0."""
+    """Resolve the contact of body i with a wall if `depth` > 0. Return 1 if so, else 0. See `_resolve_contact`."""
     if depth <= 0.0:
         return 0
     _resolve_contact(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
@@ -313,7 +313,7 @@ def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
 
 @kernel_without_refcount
 def resolve_walls(crowd, i, pushes):
-    """Apply the contact impulses of the walls on body i, or add up energy. Return the number of points in touch."""
+    """Resolve all contacts of body i with walls, as `pushes` selects. Return the number of points that touch."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0
     if ground.kind >= PERIODIC:
         return 0

@@ -15,7 +15,7 @@ FAR = 1e9
 
 @lean
 def minimum_image(ground, d):
-    """Return the difference of two coordinates, d (mm), to the nearest image in a periodic square."""
+    """Return d, a difference of two coordinates (mm), to the nearest image. Without a period it is unchanged."""
     if ground.period > 0.0:
         return d - ground.period * math.floor(d / ground.period + 0.5)
     return d
@@ -81,7 +81,7 @@ def gap_lower_bound(bodies, ground, planar, i, j):
 
 @lean
 def lean_displacement(bodies, planar, i, j):
-    """Compute the largest displacement of the ends of two bodies' upright edges by their lean, mm."""
+    """Return the larger of the distances by which the lean of bodies i and j moves their upright edges' ends, mm."""
     largest = 0.0
     for body in (i, j):
         kind = bodies.kind[body]

@@ -151,7 +151,7 @@ def _add_walkers(
 def _grow_walkers(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator
 ) -> bool:
-    """Move walkers and grow them to full size, ever slower; `cells`, `places` and `scales` change. False: no room."""
+    """Move walkers and grow them to full size, in `cells`, `places` and `scales`. Return False if there is no room."""
     for number, rate in enumerate(GROWTH_RATES):
         if number > 0:
             scales *= SHRINK_SCALE

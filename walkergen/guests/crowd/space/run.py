@@ -53,9 +53,9 @@ class CrowdPlan(NamedTuple):
 
 
 def plane_scene(scene: Scene) -> Scene:
-    """Return the scene of a walker in a crowd: free to turn, on ground that the dish bounds, under its lid.
+    """Return a scene in which a crowd's walkers are free to turn: a plane, with the lid and the walls of its arena.
 
-    Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
+    Raises InputError for a plate that sways, and for initial headings, which a crowd draws at random.
     """
     if scene.run.heading_deg != (0.0,):
         raise InputError("run.heading_deg: a crowd draws its headings at random. Leave the key out.")
@@ -157,7 +157,7 @@ def simulate(
 
 
 def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
-    """Return each walker's world and state in run `number`, at rest. The first one draws plate noise and phase."""
+    """Return each walker's world and state in run `number`, at rest. All share the noise and the phase of one plate."""
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
@@ -182,14 +182,14 @@ def _place_walker(world: World, state: State, x: float, y: float, heading: float
 
 
 def make_crowd(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
-    """Return a crowd without records, and its walkers again, whose states now are views of the crowd's arrays."""
+    """Return a crowd with empty records, and its walkers, whose states now are views of the crowd's arrays."""
     return _assemble_crowd(plan, walkers, [record.new_tally() for _ in walkers])
 
 
 def attach_records(
     plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
 ) -> tuple[bodies.Crowd, Walkers]:
-    """Return the crowd `before` with new records `tallies`, and its walkers: states are views of the crowd's arrays."""
+    """Return a crowd that continues `before` with new records `tallies`, and its walkers as `make_crowd` does."""
     crowd, walkers = _assemble_crowd(plan, walkers, tallies)
     crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching
@@ -216,7 +216,7 @@ def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.
 
 
 def _block_count(plan: CrowdPlan, seconds: float) -> int:
-    """Return the number of blocks for `seconds`, as for a single walker: the bits of results depend on it."""
+    """Return the number of equal blocks in which `seconds` are simulated. The last bits of results depend on it."""
     period = plan.plans[0].world.drive.period
     return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MAX_BLOCKS)
 
@@ -228,9 +228,9 @@ def advance(
     stopped: Callable[[], bool],
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> float:
-    """Advance by `seconds` in equal blocks. Return the seconds done.
+    """Advance a crowd, in place, by `seconds` in equal blocks. Return the simulated seconds.
 
-    The run ends before a block if `stopped()` is true. After each block `progress` receives the seconds done.
+    It ends early if `stopped()` is true before a block, or all have fallen. `progress` receives the seconds so far.
     """
     if seconds <= 0.0:
         return 0.0
@@ -256,7 +256,7 @@ def _energies(walkers: Walkers) -> Array:
 
 
 def _contact_energy_error(book: Array, gain: float) -> float:
-    """Return the unexplained share of the contacts' normal work. `book`: of the crowd. `gain`: of stored energy."""
+    """Return the share of the contacts' normal work that losses and `gain`, that of stored energy, do not explain."""
     lost = book[bodies.LOST]
     taken = max(abs(book[bodies.WORK]), lost, abs(gain))
     return float(abs(book[bodies.WORK] + gain + lost) / taken) if taken else 0.0

@@ -193,7 +193,7 @@ def _list_neighbours(crowd, span, pairs):
 
 @kernel_without_refcount
 def _advance_round(crowd, pairs, count, plans, levels):
-    """Move the crowd by 2^levels ticks. The first `count` of `pairs` may touch. `plans`: a `Plans` to fill."""
+    """Move the crowd by 2^levels ticks. The first `count` of `pairs` may touch. `plans`: working memory."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
     safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
     until, allowed = plans.until, plans.allowed
@@ -227,7 +227,7 @@ def _advance_round(crowd, pairs, count, plans, levels):
 
 @kernel
 def advance(crowd, pairs, duration):
-    """Advance a crowd by `duration` seconds and return the time that has passed.
+    """Advance a crowd, in place, by `duration` seconds and return the time that has passed.
 
     `pairs`: working memory for the walkers that may touch, shape (p, 2). If p is too small, less time has passed.
     """
@@ -263,7 +263,7 @@ def advance(crowd, pairs, duration):
 
 @kernel
 def contact_energy(crowd):
-    """Compute the energy stored in contacts between bodies and with walls, g mm^2/s^2."""
+    """Return the energy stored in contacts between bodies and with walls, g mm^2/s^2. The book keeps it as STORED."""
     deepest = crowd.book[DEEPEST]
     crowd.book[STORED] = 0.0
     for i in range(len(crowd.status)):

@@ -30,7 +30,7 @@ class Grid(NamedTuple):
 
 
 def inner_grid(dish: Dish, parts: int) -> Grid:
-    """Return square boxes wholly inside a dish. `parts`: number along the shorter side of its bounding rectangle."""
+    """Return square boxes wholly inside a dish. `parts`: boxes along the shorter side of its bounding rectangle."""
     side = min(dish.box) / parts
     across = [int(length / side * (1.0 + 1e-12)) for length in dish.box]
     used = np.ones(across, dtype=bool)
@@ -44,7 +44,7 @@ def inner_grid(dish: Dish, parts: int) -> Grid:
 
 
 def clipped_grid(dish: Dish, parts: int) -> Grid:
-    """Return square boxes over a dish, cut by walls, without boxes mostly outside. `parts`: as in `inner_grid`."""
+    """Return square boxes over a dish, cut by walls. Boxes mostly outside are left out. `parts`: as in `inner_grid`."""
     side = min(dish.box) / parts
     across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
     low = [side * (np.arange(n) - 0.5 * n) for n in across]

@@ -16,7 +16,7 @@ LAG_DIVISOR = 4
 
 
 def speeds(film: CrowdFilm) -> tuple[Array, Array]:
-    """Compute speeds and velocities along headings, (F - 1, N) each, mm/s. Turns between frames lower both."""
+    """Return speeds and velocity components along the heading, from frame to frame, (F - 1, N) each, mm/s."""
     x, y = (np.diff(places, axis=0) / film.interval for places in (film.x, film.y))
     heading = 0.5 * (film.theta[1:] + film.theta[:-1])
     ahead: Array = x * np.cos(heading) + y * np.sin(heading)
@@ -38,7 +38,7 @@ def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
 
 
 def growth_exponent(lags: Array, msd: Array) -> float:
-    """Fit d ln MSD / d ln lag over the last half decade of lags: 2 for straight runs, 1 for diffusion."""
+    """Fit d ln MSD / d ln lag in the last half decade: 2 for straight runs, 1 for diffusion, NaN for too few lags."""
     use = (lags >= lags[-1] / math.sqrt(10.0)) & (msd > 0)
     if use.sum() < 3:
         return math.nan

@@ -45,8 +45,8 @@ class CrowdFilm(NamedTuple):
         return float((self.times[-1] - self.times[0]) / (len(self.times) - 1))
 
     @property
-    def walkers(self) -> float:
-        """Mean number of walkers seen in a frame, below N where broken tracks count a walker twice."""
+    def mean_walkers(self) -> float:
+        """Mean number of walkers seen in a frame. It is below N if tracks end or begin within the film."""
         return float(np.isfinite(self.x).sum(axis=1).mean())
 
     @property
@@ -60,7 +60,7 @@ class CrowdFilm(NamedTuple):
         return not bool(np.isnan(self.theta).all())
 
     def select_frames(self, frames: Whole) -> "CrowdFilm":
-        """Return the film of only these frames, given by their numbers."""
+        """Return a film of the frames with these indices only."""
         kept = {key: getattr(self, key)[frames] for key in ("times", "x", "y", "theta")}
         return self._replace(**kept)
 

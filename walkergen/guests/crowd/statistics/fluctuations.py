@@ -61,7 +61,7 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
 
 def _box_counts(film: CrowdFilm) -> list[int]:
     """Return numbers of boxes along the dish's shorter side, from few large boxes to many of about one walker."""
-    count = film.walkers
+    count = film.mean_walkers
     smallest = math.sqrt(MIN_MEAN * film.dish.area / max(count, 1.0))
     most = int(min(film.dish.box) / smallest)
     parts = np.unique(np.rint(np.geomspace(boxes.MIN_BOXES, max(most, boxes.MIN_BOXES), MAX_SIZES)))

@@ -12,20 +12,20 @@ from walkergen.core import Array
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 
-def polar(film: CrowdFilm) -> Array:
-    """Compute |mean of e^(i theta)| over walkers in each frame, shape (F,): 1 if all headings agree."""
+def polar_order(film: CrowdFilm) -> Array:
+    """Return |mean of e^(i theta)| over the walkers in each frame, shape (F,): 1 if all headings agree."""
     return np.asarray(np.abs(mean_over_walkers(np.exp(1j * film.theta))))
 
 
-def nematic(film: CrowdFilm) -> Array:
-    """Compute |mean of e^(2 i theta)| over walkers in each frame, shape (F,): 1 if all lie along one line."""
+def nematic_order(film: CrowdFilm) -> Array:
+    """Return |mean of e^(2 i theta)| over the walkers in each frame, shape (F,): 1 if all lie along one line."""
     return np.asarray(np.abs(mean_over_walkers(np.exp(2j * film.theta))))
 
 
 def circulation(film: CrowdFilm) -> Array:
-    """Compute the mean of r x e / |r| over walkers, shape (F,). r leads from the dish's middle to the walker.
+    """Return the mean circulation of headings about the dish's middle in each frame, shape (F,).
 
-    e is its heading. 1 if all walkers circle counter-clockwise, -1 if clockwise, 0 if both balance.
+    It is r x e / |r| with a walker's place r and heading e: 1 if all circle counter-clockwise, -1 if all clockwise.
     """
     about = np.sin(film.theta - np.arctan2(film.y, film.x))
     return np.asarray(mean_over_walkers(about))
@@ -40,5 +40,5 @@ def random_order(walkers: float) -> float:
 
 
 def random_circulation(walkers: float) -> float:
-    """Return the mean |circulation| of N random headings: 1 / sqrt(pi N), as of a half-normal number."""
+    """Return the mean |circulation| of N walkers with random headings: 1 / sqrt(pi N), as of a half-normal number."""
     return 1.0 / math.sqrt(math.pi * walkers)

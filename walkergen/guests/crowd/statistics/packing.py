@@ -24,7 +24,7 @@ def total_packing(film: CrowdFilm) -> Array:
 
 
 def local_packing(film: CrowdFilm) -> Array:
-    """Compute the packing of boxes: area of the walkers centred in each over its area in the dish, shape (F, boxes).
+    """Return the packing of each box: area of the walkers centred in it over its area in the dish, shape (F, boxes).
 
     Its mean is near `total_packing`. Two peaks in its distribution show a dense and a thin phase.
     """

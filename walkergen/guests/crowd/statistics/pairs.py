@@ -44,7 +44,7 @@ def length_scale(film: CrowdFilm) -> float:
     """Compute the mean outer diameter, mm; without outlines the side of the square area per walker."""
     if film.has_sizes:
         return 2.0 * float(film.radii.mean())
-    return float(np.sqrt(film.dish.area / max(film.walkers, 1.0)))
+    return float(np.sqrt(film.dish.area / max(film.mean_walkers, 1.0)))
 
 
 def bin_edges(film: CrowdFilm) -> Array:

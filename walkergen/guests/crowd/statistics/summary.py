@@ -114,7 +114,7 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
         {name: _mean_curve([run.series[name] for run in runs]) for name in runs[0].series},
         {name: _mean_curve([run.curves[name] for run in runs]) for name in runs[0].curves},
         len(films),
-        round(film.walkers),
+        round(film.mean_walkers),
         shortest,
         float(film.times[-1] - film.times[0]),
         film.dish,
@@ -147,8 +147,8 @@ def _measure_run(film: CrowdFilm) -> _Run:
     _add_pairs(run, thinned)
     if film.has_headings:
         circulation = order.circulation(film)
-        run.series["polar_order"] = film.times, order.polar(film)
-        run.series["nematic_order"] = film.times, order.nematic(film)
+        run.series["polar_order"] = film.times, order.polar_order(film)
+        run.series["nematic_order"] = film.times, order.nematic_order(film)
         if not film.dish.period:
             run.series["circulation"] = film.times, circulation
             run.series["milling"] = film.times, np.abs(circulation)
@@ -269,7 +269,7 @@ def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
 
 def _random_values(film: CrowdFilm) -> dict[str, float]:
     """Return the values of numbers, by name, that walkers at random positions and headings have on average."""
-    walkers = max(film.walkers, 1.0)
+    walkers = max(film.mean_walkers, 1.0)
     return {
         "polar_order": order.random_order(walkers),
         "nematic_order": order.random_order(walkers),

@@ -32,7 +32,7 @@ class Walls(NamedTuple):
 
 
 def near_distance(film: CrowdFilm) -> float:
-    """Return the largest distance (mm) of a walker at a wall: a mean outer diameter (`pairs.length_scale`)."""
+    """Return the largest distance (mm) from a wall at which a walker counts as at it: at most a mean diameter."""
     return min(pairs.length_scale(film), 0.5 * dish_geometry.max_wall_distance(film.dish))
 
 
