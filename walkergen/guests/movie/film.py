@@ -37,7 +37,7 @@ class Film(NamedTuple):
 
     @property
     def view(self) -> View:
-        """View that was requested, or the default of the scene and of the number of walkers."""
+        """Requested view. By default "above" on a plane or for several walkers, otherwise "perspective"."""
         default: View = "above" if self.scene.arena.kind == "plane" or len(self.members) > 1 else "perspective"
         return self.request.view or default
 
@@ -66,7 +66,7 @@ class Film(NamedTuple):
 def file_name(film: Film, values: Mapping[str, Any]) -> str:
     """Return the default file name of the GIF: walker, or tilts and kinds of legs, scene, then `values`.
 
-    `values`: values that were set, by dotted key. They are shortened and have only safe letters.
+    `values`: values that were set, by dotted key. In the name they are shortened and have only safe letters.
     """
     what = names.part_name(film.members[0]) if len(film.members) == 1 else names.race_name(film.members)
     view = "_perspective" if film.view == "perspective" else ""
@@ -86,7 +86,7 @@ class MovieFiles(NamedTuple):
 
 
 def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene) -> Film:
-    """Return a checked film, from the start of each walker's first run. Raises InputError."""
+    """Return the film of a request. Raises InputError for invalid times or rates, or too many walkers or frames."""
     film, fps = Film(request, members, scene), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)

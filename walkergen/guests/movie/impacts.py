@@ -52,7 +52,7 @@ FURTHER_FOOT_COLOURS = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "
 
 
 def foot_colour(foot: int) -> str:
-    """Return the colour of a foot from its number, from 0."""
+    """Return the colour of the foot with this index, from 0."""
     return (
         FIRST_FOOT_COLOURS[foot]
         if foot < len(FIRST_FOOT_COLOURS)
@@ -169,7 +169,21 @@ def add_flash(axes: Axes) -> Flash:
 
 
 def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tail: Array, foot: Array) -> None:
-    """Show a burst at `foot`, an arrow from `tail`, both (x, y), of size impulse / `largest`. `brightness`: 0..1."""
+    """Set the burst and the arrow of a flash to an impact, with sizes that grow with its impulse.
+
+    Parameters
+    ----------
+    flash : Flash
+        Artists to change.
+    hit : Impact
+        Impact to show.
+    brightness : float
+        Brightness, 0 to 1.
+    largest : float
+        Impulse that has the largest signs, g mm/s.
+    tail, foot : ndarray
+        Both ends of the arrow, shape (2,). The burst is at the foot.
+    """
     colour, size = impact_style(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
     flash.arrow.set_positions(tuple(tail), tuple(foot))
     flash.arrow.set(color=colour, alpha=brightness, linewidth=0.5 + 3.0 * size)
@@ -179,7 +193,7 @@ def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tai
 
 
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
-    """Return a canvas with heading and legend, and its empty line of text for numbers. `slow`: as of `format_pace`."""
+    """Return a canvas with heading and legend, and an empty text for numbers. `slow`: as in `format_pace`."""
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
     canvas.add_text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)

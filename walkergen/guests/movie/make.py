@@ -131,7 +131,7 @@ def make_title(design: Design) -> Title:
 
 
 def _friction_note(members: Sequence[Design]) -> str:
-    """Return words on the friction of feet that have their own; "" without such feet."""
+    """Return words on the friction of feet whose own value replaces the scene's; "" without such feet."""
     limbs = [limb for design in members for limb in design.limbs]
     own = {limb.friction for limb in limbs if limb.friction is not None}
     if not own:

@@ -239,10 +239,22 @@ def _corner_courses(shot: Shot) -> list[Course]:
 def _update_view(
     view: View, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Set lines of the plate, dots and flashes of a view for the pose with index `pose`.
+    """Set the plate's lines, the dots and the flashes of a view to one pose.
 
-    `centre`: of the view, shape (3,), mm. `corners`: corners of the feet from it, shape (c, 3), mm. `glows`: for each
-    corner the impact to show and its brightness, or None.
+    Parameters
+    ----------
+    view : View
+        View to change.
+    shot : Shot
+        Run that is shown.
+    pose : int
+        Index of the pose.
+    centre : ndarray
+        Centre of the view, shape (3,), mm.
+    corners : ndarray
+        Corners of the feet from the centre, shape (c, 3), mm.
+    glows : list
+        Impact to show at each corner and its brightness, or None.
     """
     view.lines.set_segments(_plate_lines(view, shot, centre))
     seen = view.camera.project(corners)[:, :2]

@@ -116,7 +116,7 @@ def render(
 
 
 def _doubled_areas(corners: Array) -> Array:
-    """Return twice the areas of triangles (..., 3, 2 or more), positive if counter-clockwise."""
+    """Return twice the signed areas of triangles (..., 3, 2 or more): positive if counter-clockwise."""
     first, second = (corners[..., 1, :2] - corners[..., 0, :2], corners[..., 2, :2] - corners[..., 0, :2])
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 

@@ -92,19 +92,19 @@ class Shot(NamedTuple):
 
     @property
     def track(self) -> Array:
-        """Places of O seen from above: along the first axis and to the left of it, (n, 2), mm."""
+        """Positions of point O at each pose, seen from above: along the first axis and to its left, (n, 2), mm."""
         return self.poses.places[:, [0, 2]] * (1.0, -1.0)
 
     @property
     def advance(self) -> Array:
-        """Distance run so far at each pose, along the momentary heading, shape (n,), mm."""
+        """Distance that the walker has run along its heading up to each pose, shape (n,), mm."""
         heading = 0.5 * (self.poses.heading[1:] + self.poses.heading[:-1])
         ahead = np.column_stack([np.cos(heading), np.sin(heading)])
         return np.append(0.0, np.cumsum((np.diff(self.track, axis=0) * ahead).sum(axis=1)))
 
     @property
     def distance(self) -> float:
-        """Distance run along the heading, mm."""
+        """Distance that the walker ran along its heading in the whole shot, mm."""
         return float(self.advance[-1])
 
 

@@ -67,7 +67,7 @@ class Arena(NamedTuple):
 def make_draw_function(
     shots: Sequence[Shot], poses_per_frame: int, slow: float, settings: str, period: float, gap: float | None
 ) -> Draw:
-    """Return a function that draws frame k of a film: pose k * poses_per_frame of all runs. Ended runs stay.
+    """Return a function that draws frame k of a film: pose k * poses_per_frame of each run, or its last pose.
 
     `slow`: seconds of film per second of the run. `settings`: text on the simulation. `period`: of the drive, s. `gap`:
     distance of walls, mm; None without. Impacts are shown if a frame is shorter than a period.
@@ -141,8 +141,8 @@ def _make_arena(
     gap: float | None,
     interval: float,
 ) -> Arena:
-    """Add an arena to the canvas. Lengths in pixels; `middle` and `gap` of walls in mm, `interval` of dots in s."""
-    axes = canvas.add_axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
+    """Add a walker's arena to the canvas. Lengths in pixels. `middle`, `gap` of walls: mm. `interval` of dots: s."""
+    axes = canvas.axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
     set_scale(axes, middle, scale)
     axes.set_facecolor(GROUND_COLOUR)
     for spine in axes.spines.values():
