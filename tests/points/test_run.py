@@ -83,7 +83,7 @@ def count_evaluations(monkeypatch):
 
 def test_points_come_in_their_order_refused_ones_among_them(store):
     found = list(run.evaluate_points(MANY_POINTS.points(), store))
-    assert len(found) == MANY_POINTS.space.points
+    assert len(found) == MANY_POINTS.space.point_count
     rows = list(MANY_POINTS.space.rows())
     refused = [row for row, one in zip(rows, found, strict=True) if not one.key]
     assert 0 < len(refused) < 100

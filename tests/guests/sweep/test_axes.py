@@ -63,10 +63,10 @@ def test_points_are_all_combinations_the_last_key_fastest():
     grid = (Axis("a", (1, 2)), Axis("b", ("x", "y", "z")))
     space = Space(grid)
     assert list(space.rows()) == list(itertools.product((1, 2), "xyz"))
-    assert (space.keys, space.points) == (("a", "b"), 6)
+    assert (space.keys, space.point_count) == (("a", "b"), 6)
     space = Space(grid, Sample((Span("c", 0.0, 1.0), Span("d", 5.0, 6.0)), 3, "latin", 1))
     rows = list(space.rows())
-    assert (space.keys, space.points, len(rows)) == (("a", "b", "c", "d"), 18, 18)
+    assert (space.keys, space.point_count, len(rows)) == (("a", "b", "c", "d"), 18, 18)
     assert len({row[2:] for row in rows}) == 3
     assert list(Space(()).rows()) == [()]
 

@@ -86,7 +86,7 @@ def test_a_file_says_all_that_a_sweep_needs(read, tmp_path, text):
     assert axes[0].key == "legs.tilt_deg"
     spans = (Span("scene.contact.friction", 0.1, 0.3), Span("material.density_g_cm3", 1.0, 1.5))
     assert sample == Sample(spans, 8, "latin", 3)
-    assert found.space.points == 4 * 2 * 2 * 8
+    assert found.space.point_count == 4 * 2 * 2 * 8
 
 
 def test_tables_within_tables_and_inline_ones_are_the_same(read):
@@ -129,7 +129,7 @@ def test_a_sweep_without_any_point_that_can_be_right_is_refused(tmp_path):
     for values in ("[90, 95]", "[5, 95]"):  # a number out of range among others is a row that says so
         path.write_text(f'[grid]\n"legs.tilt_deg" = {values}\n')
         if values == "[5, 95]":
-            assert sweep_setup.from_file(path).space.points == 2
+            assert sweep_setup.from_file(path).space.point_count == 2
         else:
             with pytest.raises(InputError, match=r"all 2 points are invalid: .*legs.tilt_deg = 90"):
                 sweep_setup.from_file(path)

@@ -273,7 +273,7 @@ def test_a_killed_sweep_goes_on(home):
 def test_memory_does_not_grow_with_the_points():
     space = axes.Space(tuple(axes.parse(f"scene.{key}=0:1:0.001") for key in ("a", "b", "c")))
     rows = space.rows()
-    assert space.points == 1001**3
+    assert space.point_count == 1001**3
     assert next(rows) == (0.0, 0.0, 0.0)
 
 

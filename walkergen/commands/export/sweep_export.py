@@ -24,7 +24,7 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
     the table gives the sweep's reason. Raises InputError for an invalid sweep.
     """
     points = sweep_setup.from_file(path)
-    count, width = points.space.points, len(str(points.space.points))
+    count, width = points.space.point_count, len(str(points.space.point_count))
     folder = folder or Path("out") / points.folder_name
     keys, refused = points.space.keys, 0
     rows: list[tuple[Any, ...]] = []

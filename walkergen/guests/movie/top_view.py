@@ -142,7 +142,7 @@ def _make_arena(
     interval: float,
 ) -> Arena:
     """Add a walker's arena to the canvas. Lengths in pixels. `middle`, `gap` of walls: mm. `interval` of dots: s."""
-    axes = canvas.axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
+    axes = canvas.add_axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
     set_scale(axes, middle, scale)
     axes.set_facecolor(GROUND_COLOUR)
     for spine in axes.spines.values():

@@ -58,8 +58,8 @@ class Space(NamedTuple):
         return (*(axis.key for axis in self.axes), *(span.key for span in spans))
 
     @property
-    def points(self) -> int:
-        """Number of points."""
+    def point_count(self) -> int:
+        """Number of points: values of all axes multiplied, times samples."""
         samples = self.sample.samples if self.sample else 1
         return math.prod((len(axis.values) for axis in self.axes), start=samples)
 

@@ -38,7 +38,7 @@ def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
 
     Invalid and stored points cost nothing. Return None for a small sweep, which takes little longer than an estimate.
     """
-    points, run = sweep.space.points, sweep.scene.run
+    points, run = sweep.space.point_count, sweep.scene.run
     costly = sweep.wanted is not None or (sweep.model != PREDICTION and run.accepted_error is not None)
     count = min(PILOT_POINTS, points // PILOT_DIVISOR) if costly else PILOT_POINTS
     if count == 0 or points * (PREDICTION_S if sweep.model == PREDICTION else run.runs * run.seconds) < MIN_SWEEP_S:
@@ -51,8 +51,8 @@ def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
 
 
 def _pilot_points(sweep: SweepPoints, count: int) -> Iterator[Point]:
-    """Yield up to `count` points at even distances among the first MAX_UNCONFIRMED_POINTS, without invalid ones."""
-    total = min(sweep.space.points, MAX_UNCONFIRMED_POINTS)
+    """Yield up to `count` valid points, to measure their cost, evenly spread over the first MAX_UNCONFIRMED_POINTS."""
+    total = min(sweep.space.point_count, MAX_UNCONFIRMED_POINTS)
     chosen = {total * (2 * number + 1) // (2 * count) for number in range(count)}
     for index, row in enumerate(islice(sweep.space.rows(), total)):
         if index in chosen:

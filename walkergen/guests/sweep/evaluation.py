@@ -60,7 +60,7 @@ class _Task:
 
 
 class _Slot(NamedTuple):
-    """Point in the order: `done`, or still the point with index `place` of a `task`."""
+    """Point in the order: `done`, or still to come as the point with index `position` of a `task`."""
 
     done: Done | None
     task: _Task | None = None
@@ -68,7 +68,7 @@ class _Slot(NamedTuple):
 
 
 def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
-    """Yield the records of points in their order, from the store or, after they were evaluated, saved in it.
+    """Yield the evaluated points in their order. Points that are not in the store are evaluated and saved there.
 
     Without a pool this process evaluates them. Raises OutputError if the store fails, and WalkergenError if a worker is
     lost or has another version of walkergen. Finished records are then in the store.
@@ -90,7 +90,7 @@ def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: Worker
 def _evaluate_by_pool(
     stream: Iterator[PointOrRefusal], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
-    """Yield the records of points in order, evaluated by a pool. `under_way`: updated, tasks not yet saved."""
+    """Yield the points in their order, evaluated by a pool. `under_way` is kept up to date: tasks not saved yet."""
     slots: deque[_Slot] = deque()
     remaining, max_tasks = True, 1  # the first point alone: where kernels are new, it compiles for all
     while remaining or slots:
@@ -106,7 +106,7 @@ def _evaluate_by_pool(
             max_tasks = TASKS_PER_WORKER * pool.workers
             for future in finished:
                 task = under_way[future]
-                if _is_lost(task):
+                if _can_retry(task):
                     task.future, task.again = _submit_task(task.points, pool), True
                     under_way[task.future] = task
                 else:
@@ -117,7 +117,7 @@ def _evaluate_by_pool(
 
 
 def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Done]:
-    """Yield the records of points in their order, evaluated by this process. Simulated points are saved one by one."""
+    """Yield the points in their order, evaluated by this process. Simulated points are saved one by one."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([key for key in keys if key])
     unsaved: list[tuple[str, Record]] = []
@@ -178,8 +178,8 @@ def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]"
         raise WalkergenError(WORKER_LOST.format(error)) from error
 
 
-def _is_lost(task: _Task) -> bool:
-    """Return whether a finished task failed for the first time, so that it should be submitted again.
+def _can_retry(task: _Task) -> bool:
+    """Return whether a finished task failed for the first time, and may succeed if it is submitted again.
 
     While a worker of a cluster ends, *distributed* can fail on a valid answer. An error in the points themselves is
     raised again by the second try.
@@ -205,7 +205,7 @@ def _task_records(future: "Future[Answer]") -> list[Record]:
 
 
 def _finish_slot(slot: _Slot) -> Done:
-    """Return the evaluated point of a slot. Its task, if it has one, has ended."""
+    """Return the evaluated point of a slot, whose task, if it has one, must have ended."""
     if slot.done is not None:
         return slot.done
     assert slot.task is not None

@@ -34,7 +34,7 @@ STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 
 
 def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
-    """Draw a number of all points against the keys that vary, as lines, a map, small multiples or clouds.
+    """Draw one quantity of all points against the keys that vary, as lines, a map, small multiples or clouds.
 
     At least one key must have two values, and one point a number.
     """

@@ -34,7 +34,7 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
     """Evaluate all points of a request and return the report. `expect`: receives a function that estimates the time."""
     sweep = sweep_setup.read_points(request)
     folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
-    in_process = not request.from_shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
+    in_process = not request.from_shell or (sweep.model == PREDICTION and sweep.space.point_count <= MAX_LOCAL_POINTS)
     with closing(Store()) as store, open_pool(in_process, request.workers, request.dask) as pool:
         workers = 1 if pool is None else pool.workers
 
@@ -42,9 +42,10 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
             """Estimate the cost of this sweep; None if it is small."""
             return cost.estimate(sweep, store, workers)
 
-        if not request.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
+        if not request.yes and sweep.space.point_count > cost.MAX_UNCONFIRMED_POINTS:
             raise InputError(
-                f"{cost.format_cost(estimate(), sweep.space.points)}. Give ‹yes› to start, or use fewer points.", "yes"
+                f"{cost.format_cost(estimate(), sweep.space.point_count)}. Give ‹yes› to start, or use fewer points.",
+                "yes",
             )
         expect(lambda: None if (found := estimate()) is None else Expected(found.seconds))
         if folder is None:
@@ -63,7 +64,7 @@ def make_sweep(
     """
     started = time.perf_counter()
     sweep.check()
-    drawn = request.pictures and sweep.space.points <= MAX_DRAWN_POINTS
+    drawn = request.pictures and sweep.space.point_count <= MAX_DRAWN_POINTS
     with Folder(path) as folder:
         folder.claim()
         if earlier := _load_finished(request, sweep, folder):
@@ -97,7 +98,7 @@ def _evaluate_points(
     points = zip(sweep.space.rows(), evaluation.evaluate_points(sweep.points(), store, pool), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
-        progress("points", number, sweep.space.points)
+        progress("points", number, sweep.space.point_count)
 
 
 def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) -> SweepReport | None:
@@ -110,7 +111,7 @@ def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) ->
         return None
     if request.pictures and not any(name.endswith(".png") for name in facts["files"]):
         return None
-    count = sweep.space.points
+    count = sweep.space.point_count
     result = report.make_report(sweep, Points(sweep.columns, kept=False, count=count, stored=count, bad=facts["bad"]))
     return report.add_files(result, folder.path, list(facts["files"]))
 
@@ -139,7 +140,7 @@ def _sweep_facts(sweep: SweepPoints) -> dict[str, Any]:
 
 
 def _rename_changed_table(folder: Folder) -> list[str]:
-    """Rename an earlier table in the folder if a user has changed it, and return a warning about that.
+    """Rename an earlier table in the folder if a user has changed it. Return a list with the warning, or an empty one.
 
     Raises InputError for a file that is no table of a sweep.
     """

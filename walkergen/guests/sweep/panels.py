@@ -131,10 +131,26 @@ def draw_dots(
     joined: bool,
     shift: float = 0.0,
 ) -> None:
-    """Draw the points of one line with their bounds over the key `x`, joined by a line if `joined`.
+    """Draw points, with their bounds, over the key of a scale. Points without a number are crosses at the bottom.
 
-    `rows`: True for points to draw, shape (n,). `style`: colour, dash and marker. `shift`: added to x. Points without a
-    number are crosses at the bottom, higher for a larger `number` of the line.
+    Parameters
+    ----------
+    axes : Axes
+        Axes to draw in.
+    columns : Columns
+        Points of a sweep.
+    x : Scale
+        Scale of the x axis.
+    rows : ndarray of bool
+        True for points to draw, shape (n,).
+    style : tuple
+        Colour, dash and marker.
+    number : int
+        Index of the line among all lines, from 0. It sets the height of the crosses.
+    joined : bool
+        Whether to join the points by a line.
+    shift : float
+        Distance by which all points are moved along x.
     """
     colour, dash, marker = style
     order = np.flatnonzero(rows)[np.argsort(x.at[rows], kind="stable")]
@@ -178,7 +194,7 @@ def draw_dots(
 
 
 def value_label(columns: Columns, max_points: int | None = None) -> str:
-    """Return the axis label of the number, which mentions its bounds if they are drawn: for at most `max_points`."""
+    """Return the label of the number's axis. It mentions bounds if there are any, and at most `max_points` points."""
     bounded = np.isfinite(columns.low).any() and (max_points is None or len(columns.low) <= max_points)
     return f"{columns.label}, bounds of 95 %" if bounded else columns.label
 
@@ -187,7 +203,7 @@ def value_label(columns: Columns, max_points: int | None = None) -> str:
 
 
 def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
-    """Draw the number of the chosen rows over two keys: a coloured cell for each point, and contours.
+    """Draw a map of the number of the chosen points over two keys: a coloured cell for each point, and contours.
 
     Contours need numeric keys and few missing numbers. `rows`: True for points to draw, shape (n,).
     """

@@ -58,7 +58,7 @@ class SweepReport(Report):
 def make_report(
     sweep: SweepPoints, points: Points, warnings: Sequence[str] = (), wish: float | None = None
 ) -> SweepReport:
-    """Return the report of evaluated points. Without stored rows its table is empty, and there is no figure.
+    """Return the report of evaluated points. If `points` kept no rows, its table is empty and there is no figure.
 
     `warnings`: about an earlier table in the folder. `wish`: desired speed, mm/s: the nearest points come first.
     """
@@ -75,7 +75,7 @@ def make_report(
         tables=[shown],
         lines=_count_lines(points),
         facts=facts,
-        figures=_draw_functions(rows, keys, sweep.kind.pictures(sweep.keep)),
+        figures=_figure_functions(rows, keys, sweep.kind.pictures(sweep.keep)),
         keys=keys,
         warnings=warnings,
     )
@@ -97,7 +97,7 @@ def _count_lines(points: Points) -> list[str]:
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
 
 
-def _draw_functions(
+def _figure_functions(
     rows: Table, keys: Sequence[str], pictures: Sequence[Picture]
 ) -> "Mapping[str, Callable[[], Figure]]":
     """Return functions that draw the figures, by file name: one for each number in `pictures`.

@@ -79,7 +79,7 @@ class SweepRequest(request.Request):
     pictures: request.Pictures = True
 
     def run(self, progress: Progress) -> "SweepReport":
-        """Evaluate all points, in this process or in several; Python functions use several if `workers` is given."""
+        """Evaluate all points. A call from Python uses this process alone, unless `workers` or `dask` is given."""
         report: SweepReport = self.do_work(progress, self._expect)
         return report
 

@@ -72,7 +72,7 @@ def format_value(scale: Scale, number: int, named: bool = True) -> str:
 
 
 def cell_edges(scale: Scale) -> Array:
-    """Return the edges of cells around the values of a scale, half-way between neighbours, shape (values + 1,)."""
+    """Return the edges of a map's cells along a scale, half-way between neighbouring values, shape (values + 1,)."""
     places = np.log(scale.places) if scale.log else scale.places
     if len(places) == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])

@@ -55,7 +55,7 @@ class Contents(Section):
     @field_validator("model")
     @classmethod
     def _check_model(cls, name: str | None) -> str | None:
-        """Raise ValueError for an unknown model."""
+        """Return the name of the model. Raises ValueError if it is unknown."""
         if name is not None and name not in model_kinds.ALL_MODELS:
             raise ValueError(f"{name[:30]!r}: must be one of {', '.join(model_kinds.ALL_MODELS)}")
         return name
@@ -63,7 +63,7 @@ class Contents(Section):
     @field_validator("keep")
     @classmethod
     def _check_groups(cls, names: list[str] | None) -> list[str] | None:
-        """Raise ValueError for an unknown group of numbers."""
+        """Return the names of groups of numbers. Raises ValueError if one is unknown."""
         for name in names or ():
             if not any(name in model_kinds.load_kind(kind).GROUPS for kind in model_kinds.KIND_MODULES):
                 groups = {kind: ", ".join(model_kinds.load_kind(kind).GROUPS) for kind in model_kinds.KIND_MODULES}

@@ -54,11 +54,11 @@ class SweepPoints(NamedTuple):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Columns of the table after those of the keys."""
+        """Names of the table's columns for the numbers and the status, without those of the keys."""
         return (*self.kind.columns(self.model, self.keep), STATUS_KEY)
 
     def check(self) -> None:
-        """Raise InputError for unknown keys, values, groups of numbers and models, before any point is evaluated."""
+        """Raise InputError for an unknown key, value, group or model, or if all points of a small sweep are invalid."""
         model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(f"‹error=›{self.wanted}: a prediction has no runs. Use ‹model=›space.")
@@ -67,12 +67,12 @@ class SweepPoints(NamedTuple):
         for key in self.space.keys:
             check_key(key, f"‹set› {key}")
             if model_kinds.kind_of(self.model) == ALONE:
-                check_single_key(key, f"‹set› {key}" if self.file is None else f"{self.file}: {key}")
+                check_not_crowd_key(key, f"‹set› {key}" if self.file is None else f"{self.file}: {key}")
         for axis in self.space.axes:
             for value in axis.values:
                 if isinstance(value, (str, bool, list, dict)):
                     self._check_form(axis.key, value)
-        if self.space.points > MAX_CHECKED_POINTS:
+        if self.space.point_count > MAX_CHECKED_POINTS:
             return
         reasons = []
         for point in self.points():
@@ -128,7 +128,7 @@ def check_key(key: str, source: str) -> None:
         assignments.check_key(bare_key, Scene, source, SCENE_PREFIX)
 
 
-def check_single_key(key: str, source: str) -> None:
+def check_not_crowd_key(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that applies only to crowds."""
     if model_kinds.kind_of_key(key) == "crowd":
         raise InputError(f"{source}: is only for crowds. Leave ‹model› out, or give ‹model=›crowd.")
@@ -141,7 +141,7 @@ def change_keys(
     source: str = "‹set›",
     data: Mapping[str, Any] | None = None,
 ) -> tuple[Design, Scene]:
-    """Return design and scene with other values, by dotted key. Keys of the scene begin with "scene.".
+    """Return a design and a scene with these `values`, by dotted key. Keys of the scene begin with "scene.".
 
     `data`: data of the design's file, if known: the values are set in it. Raises InputError or GeometryError, with a
     line, which begins with `source`, for every mistake.

@@ -11,7 +11,7 @@ from walkergen.guests.sweep import axes, nearest, sweep_file, sweep_points
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
 from walkergen.guests.sweep.request import SweepRequest
 from walkergen.guests.sweep.sweep_points import SCENE_PREFIX as SCENES
-from walkergen.guests.sweep.sweep_points import SweepPoints, check_single_key
+from walkergen.guests.sweep.sweep_points import SweepPoints, check_not_crowd_key
 from walkergen.points import model_kinds
 from walkergen.points.point import ALONE, PREDICTION
 from walkergen.request import PAPER_WALKER, choose_scene
@@ -79,7 +79,7 @@ def make_points(
     points = SweepPoints(design, scene, space, model, kept, error, printer, data, file)
     for key in constants:
         if model_kinds.kind_of(model) == ALONE:
-            check_single_key(key, f"{source} {key}")
+            check_not_crowd_key(key, f"{source} {key}")
     points.check()
     if with_speed:
         nearest.check_speed(points.columns)
@@ -131,7 +131,7 @@ def from_file(path: Path, with_speed: bool = False) -> SweepPoints:
 
 
 def choose_model(model: str | None, keys: Sequence[str]) -> str:
-    """Return the given model; for None that of the first key that applies to one kind, else PREDICTION."""
+    """Return `model` or, if it is None, the model of the first key that applies to only one. Default: PREDICTION."""
     return model or next(filter(None, map(model_kinds.kind_of_key, keys)), PREDICTION)
 
 
@@ -141,7 +141,7 @@ def default_scene(model: str) -> str:
 
 
 def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
-    """Return the space of axes and spans with several values, and the single values of other keys.
+    """Return the space of the axes with several values and of the spans, and the values of keys that have only one.
 
     `sample`: sobol:N or latin:N for spans, None without. `seed`: of the samples. Raises InputError.
     """
