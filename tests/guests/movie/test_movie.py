@@ -96,7 +96,7 @@ def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
     job = film_of([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
     made = movie.make_movie(job, tmp_path / "a.gif", silent)
     (shot,) = made.shots
-    assert shot.ended == "left the ground"
+    assert shot.end_reason == "left the ground"
     assert 2 <= made.frames < job.frames
 
 

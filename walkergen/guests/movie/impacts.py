@@ -106,7 +106,7 @@ def draw_heights(canvas: Canvas, place: PixelBox, shot: Shot, feet: list[Course]
     axes = canvas.add_axes(*place)
     canvas.add_text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
     times, heights = 1e3 * shot.times, 1e3 * np.array([course.heights for course in feet])
-    plate = 1e3 * shot.plate
+    plate = 1e3 * shot.plate_heights
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
     margin = 0.08 * max(high - low, 1e-6)
     axes.set_ylim(low - margin, high + margin)
@@ -138,7 +138,7 @@ def _draw_marks(axes: Axes, shot: Shot, feet: list[Course]) -> None:
     largest = largest_impulse(shot)
     for hit in shot.impacts:
         style, size = impact_style(hit.kind), float(np.hypot(*hit.impulse)) / largest
-        height = 1e3 * np.interp(hit.time, shot.times, shot.plate)
+        height = 1e3 * np.interp(hit.time, shot.times, shot.plate_heights)
         edge = feet[hit.foot].colour
         axes.plot(
             [1e3 * hit.time],

@@ -112,9 +112,9 @@ def make_draw_function(shot: Shot, poses_per_frame: int, slow: float, settings: 
         _update_view(main, shot, pose, centres[pose], corners, glows)
         _update_close_view(close, shot, pose, centres[pose], corners, glows)
         now.set_xdata([1e3 * shot.times[pose]] * 2)
-        over = f"   {shot.ended}" if pose + poses_per_frame >= len(shot.times) else ""
+        over = f"   {shot.end_reason}" if pose + poses_per_frame >= len(shot.times) else ""
         heading = f"   heading {np.degrees(shot.poses.heading[pose]):+.1f}°"
-        moment = float(shot.times[pose]), float(shot.poses.phase[pose]), float(shot.advance[pose])
+        moment = float(shot.times[pose]), float(shot.poses.phase[pose]), float(shot.distances[pose])
         readout.set_text(format_moment(*moment) + heading + over)
         return canvas.pixels()
 

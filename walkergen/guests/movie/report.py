@@ -10,7 +10,7 @@ def make_report(film: Film, made: MovieFiles) -> Report:
     lines = []
     for shot in made.shots:
         seconds, distance = shot.times[-1], shot.distance
-        ended = f"; {shot.ended}" if shot.ended else ""
+        ended = f"; {shot.end_reason}" if shot.end_reason else ""
         lines.append(
             f"{shot.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
             f"{len(shot.impacts)} impacts{ended}"
@@ -24,7 +24,7 @@ def make_report(film: Film, made: MovieFiles) -> Report:
             "seconds": shot.times[-1],
             "distance_mm": shot.distance,
             "impacts": len(shot.impacts),
-            "ended": shot.ended,
+            "ended": shot.end_reason,
         }
         for shot in made.shots
     ]

@@ -80,12 +80,12 @@ class Shot(NamedTuple):
         return self.poses.times
 
     @property
-    def plate(self) -> Array:
+    def plate_heights(self) -> Array:
         """Height of the plate over its mean, shape (n,), mm."""
         return self.poses.plate
 
     @property
-    def ended(self) -> str:
+    def end_reason(self) -> str:
         """Reason why the run ended early; '' when it did not."""
         outcome = self.poses.outcome
         return "" if outcome in ENDED_WELL else outcome.value
@@ -96,7 +96,7 @@ class Shot(NamedTuple):
         return self.poses.places[:, [0, 2]] * (1.0, -1.0)
 
     @property
-    def advance(self) -> Array:
+    def distances(self) -> Array:
         """Distance that the walker has run along its heading up to each pose, shape (n,), mm."""
         heading = 0.5 * (self.poses.heading[1:] + self.poses.heading[:-1])
         ahead = np.column_stack([np.cos(heading), np.sin(heading)])
@@ -105,7 +105,7 @@ class Shot(NamedTuple):
     @property
     def distance(self) -> float:
         """Distance that the walker ran along its heading in the whole shot, mm."""
-        return float(self.advance[-1])
+        return float(self.distances[-1])
 
 
 def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:

@@ -199,12 +199,12 @@ def _show_flashes(arena: Arena, pose: int, glow: float) -> None:
 
 def _format_readout(shot: Shot, pose: int) -> str:
     """Format heading, distance and mean speed at a pose and, at the last one, why the run ended."""
-    time, distance = float(shot.poses.times[pose]), float(shot.advance[pose])
+    time, distance = float(shot.poses.times[pose]), float(shot.distances[pose])
     words = f"heading {np.degrees(shot.poses.heading[pose]):+6.1f}°  ran {distance:7.1f} mm"
     if time > 0:
         words += f"  {distance / time:6.1f} mm/s so far"
-    if pose == len(shot.poses.times) - 1 and shot.ended:
-        words = f"{shot.ended} at {time:.2f} s  {words}"
+    if pose == len(shot.poses.times) - 1 and shot.end_reason:
+        words = f"{shot.end_reason} at {time:.2f} s  {words}"
     return words
 
 
