@@ -153,8 +153,8 @@ def draw_dots(
         Distance by which all points are moved along x.
     """
     colour, dash, marker = style
-    order = np.flatnonzero(rows)[np.argsort(x.at[rows], kind="stable")]
-    places, value = x.at[order] + shift, columns.value[order]
+    order = np.flatnonzero(rows)[np.argsort(x.row_positions[rows], kind="stable")]
+    places, value = x.row_positions[order] + shift, columns.value[order]
     low, high = columns.low[order], columns.high[order]
     bounded = np.isfinite(low) & np.isfinite(high) & np.isfinite(value)
     crowded = len(order) > MAX_BARS
@@ -216,7 +216,7 @@ def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm:
     if missing.any():
         _hatch_cells(axes, x, y, missing)
     if doubtful.any():
-        axes.plot(x.at[doubtful], y.at[doubtful], **DOUBTFUL_STYLE, zorder=4)
+        axes.plot(x.row_positions[doubtful], y.row_positions[doubtful], **DOUBTFUL_STYLE, zorder=4)
     smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= MIN_CONTOUR_VALUES
     smooth = smooth and bool(np.isfinite(value).mean() >= MIN_CONTOUR_SHARE)
     if smooth and np.nanmin(value, initial=np.inf) < np.nanmax(value, initial=-np.inf):
@@ -285,12 +285,11 @@ def draw_scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normali
     """Draw points in the plane of two keys, coloured by their number, crosses for missing numbers."""
     good = ~columns.missing & ~columns.doubtful
     look: Any = {"cmap": colour_map(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
-    axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)
-    if columns.doubtful.any():
-        ring = axes.scatter(
-            x.at[columns.doubtful], y.at[columns.doubtful], c=columns.value[columns.doubtful], linewidths=1.2, **look
-        )
+    across, up, doubtful = x.row_positions, y.row_positions, columns.doubtful
+    axes.scatter(across[good], up[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)
+    if doubtful.any():
+        ring = axes.scatter(across[doubtful], up[doubtful], c=columns.value[doubtful], linewidths=1.2, **look)
         ring.set_facecolor("none")
-    axes.plot(x.at[columns.missing], y.at[columns.missing], "x", color="black")
+    axes.plot(across[columns.missing], up[columns.missing], "x", color="black")
     format_axis(axes, "x", x)
     format_axis(axes, "y", y)

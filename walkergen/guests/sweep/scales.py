@@ -39,7 +39,7 @@ class Scale(NamedTuple):
     """Whether the axis is logarithmic."""
 
     @property
-    def at(self) -> Array:
+    def row_positions(self) -> Array:
         """Positions of the rows on the axis, shape (n,)."""
         return self.places[self.which]
 
