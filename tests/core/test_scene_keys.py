@@ -36,12 +36,12 @@ def notes(table):
 
 def rows(name, table):
     """Return a row of the page for each key of a table."""
-    meanings = notes(table)
-    before = ""
+    meanings, before = notes(table), ""
     for key, field in table.model_fields.items():
         default = getattr(getattr(Scene(), name), key) if name != "drive" else field.default
         allowed = config.describe_allowed_values((name, key), Scene).removeprefix("must be ").removeprefix("a number ")
         allowed = allowed.removeprefix("one of ").replace("'", "").replace("|", "or")
+        allowed = allowed[3:].replace(" and <= ", " to ") if allowed.startswith(">= ") else allowed
         shown = "" if default is None else f"`{list(default) if isinstance(default, tuple) else default}`"
         allowed, before = ("as above" if len(allowed) > 80 and allowed == before else allowed), allowed
         yield f"| `{key}` | {meanings[key]} | {shown} | {allowed} |"

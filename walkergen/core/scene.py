@@ -362,12 +362,11 @@ class Prediction(Section):
     """Assumptions of predictions apart from contact and print."""
 
     model_sd: Annotated[float, Field(ge=0, le=3)] = 0.10
-    """Structural error of the model in space, one standard deviation, as a share of the speed. The default is measured
-    with other choices in that model (docs/physics.md section 4): the damper changes the speed at 10 deg by 8 %, the
-    leg's spring by 6 %, four points a foot instead of two by 5 %, and the tangential stiffness by 1 %."""
+    """Standard deviation of the model's error, as a share of the speed. The default is the change by other choices in
+    the model (docs/physics.md section 4)."""
     impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
-    """Impact speed of the theory's feet over the plate's peak speed (the paper: "of the same order"). 0.45 gives the
-    paper's 60 mm/s at 10 degrees with its measured restitution."""
+    """Impact speed of the theory's feet over the plate's peak speed. 0.45 gives the paper's 60 mm/s at 10 degrees with
+    its measured restitution."""
 
 
 DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
