@@ -1,8 +1,7 @@
 """Films of capped walkers with known poses: a pinhole camera, a shutter, a codec.
 
-Lengths are mm on the plane of the caps, y up; a camera looks at the middle of the plate, tilted
-away from the vertical. Pictures are drawn with GRAIN samples a pixel along each axis, and in
-several exposures a frame where walkers blur.
+Lengths are mm on the plane of the caps, y up; a camera looks at the middle of the plate, tilted away from the vertical.
+Pictures are drawn with GRAIN samples a pixel along each axis, and in several exposures a frame where walkers blur.
 """
 
 from typing import NamedTuple

@@ -107,8 +107,7 @@ class Walker:
     def _volume(self):
         """Points of a leg from its anchor, with place along the axis and weight.
 
-        A strip between two level cuts, by Gauss' rule, which is exact for the squares of a mass
-        matrix.
+        A strip between two level cuts, by Gauss' rule, which is exact for the squares of a mass matrix.
         """
         nodes, weights = np.polynomial.legendre.leggauss(4)
         u = np.array([-math.sin(self.tilt), -math.cos(self.tilt), 0.0])

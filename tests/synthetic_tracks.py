@@ -1,10 +1,9 @@
 """Tracks with known numbers: walkers of many kinds, filmed with noise and gaps.
 
-A walker runs at `speed` along its heading, and drifts aside. Its heading turns steadily and
-diffuses (active Brownian motion; with a steady turn, a chiral walker). On top may come
-translational diffusion, inertia of the velocity or of the turning, noise of the film, frames that
-are missing one by one or in blocks, and a spread between walkers. Every law that the analysis is to
-find in these tracks stands here in closed form, or as an integral.
+A walker runs at `speed` along its heading, and drifts aside. Its heading turns steadily and diffuses (active Brownian
+motion; with a steady turn, a chiral walker). On top may come translational diffusion, inertia of the velocity or of the
+turning, noise of the film, frames that are missing one by one or in blocks, and a spread between walkers. Every law
+that the analysis is to find in these tracks stands here in closed form, or as an integral.
 """
 
 import math

@@ -39,8 +39,6 @@ PLATE_KEYS = (*VIBRATION_KEYS[1:], "second_harmonic_ratio", "second_harmonic_pha
 MOTOR_KEYS = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
 """Keys that only one kind of drive has."""
 
-RATING_HINT = "Write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 instead."
-
 
 def _parse_axis(value: Any) -> Any:
     """Return the axis of a rotor, by name or components. Raises ValueError for anything else."""
@@ -61,8 +59,7 @@ class Drive(Section):
     """
 
     removed_keys: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("rated_g", "on_mass_g", "rated_hz"), RATING_HINT),
-        "reversed": "Leave it out for false. For true, give the components of axis: [0, 1, 0] is across.",
+        "reversed": "Leave it out for false. For true, give the components of axis: [0, 1, 0] is across."
     }
 
     kind: Literal["plate", "motor"] = "plate"

@@ -50,8 +50,6 @@ class Contact(Section):
     Numbers that are not given are those of the prior; a friction that is given as 0 is exact.
     """
 
-    removed_keys: ClassVar[Mapping[str, str]] = {"law": "Feet are elastic and have a damper. Leave the key out."}
-
     prior: Literal["paper", "unknown"] = "paper"
     """Source of the numbers below that are not given: the paper's plate, or any plastic on any plate."""
     restitution: Fraction = PAPER_CONTACT.restitution
@@ -193,8 +191,6 @@ class Arena(Section):
 class Crowd(Section):
     """Many walkers in a dish: their number, the dish, and the contact of their bodies."""
 
-    removed_keys: ClassVar[Mapping[str, str]] = {"touch_ms": "A collision of bodies lasts 0.6 ms. Leave the key out."}
-
     count: Annotated[int, Field(ge=1, le=100_000)] | None = None
     """Number of walkers. None: from `packing`, or 10."""
     packing: Annotated[float, Field(gt=0, le=0.9)] | None = None
@@ -229,11 +225,6 @@ class Crowd(Section):
 
 class LegModel(Section):
     """Damping of the legs in the simulation."""
-
-    removed_keys: ClassVar[Mapping[str, str]] = {
-        "model": "Every walker moves in space. Leave the key out.",
-        "spring": "A leg is as stiff as a cantilever, 3 E I/l. Set material.youngs_modulus_gpa of the design instead.",
-    }
 
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
     """Damping ratio of a free leg on a held body."""
@@ -279,11 +270,6 @@ def _parse_headings(value: Any) -> Any:
 
 class Run(Section):
     """Duration, number and step of the simulated runs."""
-
-    removed_keys: ClassVar[Mapping[str, str]] = {
-        "method": "Every simulation uses time steps. Leave the key out.",
-        "energy_tolerance": "The energy error may be 5 % of the exchanged energy. Leave the key out.",
-    }
 
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
     """Measured time of one run, s, after the discarded start."""
@@ -395,8 +381,6 @@ class Scene(Section):
     >>> round(scene.drive.peak_speed, 1)  # mm/s
     34.7
     """
-
-    removed_keys: ClassVar[Mapping[str, str]] = {"tether": "Walkers run free. Leave the table out."}
 
     name: Name = "scene"
     description: Annotated[str, Field(max_length=2000)] = ""

@@ -1,6 +1,4 @@
-"""The walker in space against rivals: a landing by DOP853, Keller's equation, MuJoCo
-(docs/physics.md section 7).
-"""
+"""The walker in space against rivals: a landing by DOP853, Keller's equation, MuJoCo (docs/physics.md section 7)."""
 
 import math
 

@@ -1,8 +1,7 @@
 """Any walker in space, drive and contact: refused in one clear line, or a lawful motion.
 
-Each example is a whole walker on a whole plate, drawn within the allowed ranges and a little
-beyond. In CI noise and roughness of the plate are left out, so that one kernel serves all examples;
-the nightly sweep draws them as well.
+Each example is a whole walker on a whole plate, drawn within the allowed ranges and a little beyond. In CI noise and
+roughness of the plate are left out, so that one kernel serves all examples; the nightly sweep draws them as well.
 """
 
 import math
@@ -34,9 +33,8 @@ MAX_STEPS = 100_000
 """Steps of one example: feet of 1 MHz are followed for less time than those of 10 kHz."""
 
 MAX_ENERGY_ERROR = 0.05
-"""Share of the exchanged energy that may be unaccounted for, as scenes have it. Steps are of second
-order with 0.6 rad of the fastest foot each: the worst of 700 examples came to 0.029, with a median
-of 4e-5."""
+"""Share of the exchanged energy that may be unaccounted for, as scenes have it. Steps are of second order with 0.6 rad
+of the fastest foot each: the worst of 700 examples came to 0.029, with a median of 4e-5."""
 
 STEP_DIVISOR = 4.0
 """By how much smaller a step has to end an energy error."""

@@ -46,9 +46,7 @@ def shift_tensor(mass, tensor, arm):
 
 
 def rival_mass(design):
-    """Mass, centre and tensor of a whole walker: trimesh's of the printed part, closed forms of
-    what it carries.
-    """
+    """Mass, centre and tensor of a whole walker: trimesh's of the printed part, closed forms of what it carries."""
     depth, share = design.size.depth, design.pocket_settings.glue_g / 2.0
     part = trimesh.Trimesh(*solids.build(design).walker, process=False)
     part.density = 1e-3 * design.material.density_g_cm3

@@ -1,6 +1,5 @@
-"""Crowds in space: collisions against closed forms, balances, and the walker alone
-(docs/physics.md section 9). Slow: kernels of crowds take minutes to compile; the collisions run
-uncompiled in test_uncompiled.py too.
+"""Crowds in space: collisions against closed forms, balances, and the walker alone (docs/physics.md section 9). Slow:
+kernels of crowds take minutes to compile; the collisions run uncompiled in test_uncompiled.py too.
 """
 
 import math

@@ -1,7 +1,6 @@
 """Two walkers that collide: the kernel, closed forms of contacts, and MuJoCo's bodies agree.
 
-Bodies have the masses and tensors of the paper's braced walker. Contacts take 0.2 ms and give by
-some micrometres.
+Bodies have the masses and tensors of the paper's braced walker. Contacts take 0.2 ms and give by some micrometres.
 """
 
 import math
@@ -55,8 +54,7 @@ def boxes():
 def meeting(across, slide):
     """Boxes of which the first runs its front onto an edge of the second, and where they touch.
 
-    `across`: place of the edge beside the first's axis, mm, when they meet; `slide`: sideways
-    speed of the first, mm/s.
+    `across`: place of the edge beside the first's axis, mm, when they meet; `slide`: sideways speed of the first, mm/s.
     """
     start = -slide / SPEED * GAP
     first = still(-0.5 * LENGTH - GAP, start, velocity=(SPEED, slide))

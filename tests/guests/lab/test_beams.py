@@ -17,8 +17,7 @@ from walkergen.guests.lab.beams import Strip
 def root_by_elements(fine=8, block=6, stub=3, poisson=0.36):
     """Extra length of a beam 1 thick on a block, in thicknesses: plane stress, a pure moment.
 
-    Bilinear elements with Wilson's incompatible modes, which bend exactly; the block is held at
-    its back.
+    Bilinear elements with Wilson's incompatible modes, which bend exactly; the block is held at its back.
     """
     h = 1.0 / fine
     law = np.array([[1, poisson, 0], [poisson, 1, 0], [0, 0, (1 - poisson) / 2]]) / (1 - poisson**2)
