@@ -1,4 +1,4 @@
-"""Text engraved into bodies: pockets of the letters' area times their depth, in the face that bears them, and refusals."""
+"""Text engraved into bodies: pockets of the letters' area times their depth in a face, and refusals."""
 
 import numpy as np
 import pytest

@@ -336,18 +336,17 @@ def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix
 
 
 def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
-    """Suggest the known key most like a removed or unknown one, or all keys of its table."""
+    """Suggest a key of the same name in another table, one with a similar name in this table, or all of this table."""
     table = _model_at(location[:-1], model)
     if table and location[-1] in table.removed_keys:
         return f"this key was removed. {table.removed_keys[location[-1]]}"
-    paths = [".".join(path) for path in key_paths(model)]
-    if table and any("[" in key for key in location):
-        paths = [".".join((*location[:-1], name)) for name in table.model_fields]
-    close = difflib.get_close_matches(".".join(location), paths, n=1, cutoff=0.6)
-    if close:
-        return f"unknown key; did you mean {prefix}{close[0]}?"
-    names = list(table.model_fields) if table else [key for key in paths if "." not in key]
-    return f"unknown key; known here: {', '.join(names)}"
+    keys = key_paths(model)
+    beside = [(*location[:-1], name) for name in table.model_fields] if table else keys
+    close = difflib.get_close_matches(location[-1], [path[-1] for path in beside], n=1, cutoff=0.6)
+    near = [path for path in keys if path[-1] == location[-1]] + [path for path in beside if path[-1] in close]
+    if near:
+        return f"unknown key; did you mean {prefix}{'.'.join(near[0])}?"
+    return f"unknown key; known here: {', '.join(path[-1] for path in beside if table or len(path) == 1)}"
 
 
 def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
