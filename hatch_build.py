@@ -111,9 +111,10 @@ def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]
 
 def _gathered(cache: Path, folder: Path, package: Path) -> dict[str, str]:
     """Copy entries of the package's rooms out of a cache; their sums by their names."""
+    from walkergen.core import caches
     from walkergen.core.numerics import shipped_kernels
 
-    rooms = {shipped_kernels.cache_subpath(room): room for room in package.rglob("*") if room.is_dir()}
+    rooms = {caches.cache_subpath(room): room for room in package.rglob("*") if room.is_dir()}
     sums = {}
     for path in sorted(cache.rglob("*.nb[ic]")):
         place = rooms[path.parent.name].relative_to(package) / path.name

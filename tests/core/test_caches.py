@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from walkergen.core import caches
-from walkergen.core.numerics import shipped_kernels
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="owners and modes of POSIX")
 
@@ -139,7 +138,7 @@ def test_a_valid_cache_entry_is_read_with_or_without_a_checksum(kernels, tmp_pat
 @POSIX
 def test_compilation_is_announced_once_with_its_time_unless_quiet(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(caches.COMPILE_TIMES_S, "another", 17)
-    place = tmp_path / shipped_kernels.cache_subpath(caches.PACKAGE / "another")
+    place = tmp_path / caches.cache_subpath(caches.PACKAGE / "another")
     with caches.suppress_compile_notice():
         caches.announce_compilation(place)
     caches.announce_compilation(tmp_path / "elsewhere_0123")  # no model: a second or two

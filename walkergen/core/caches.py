@@ -88,14 +88,19 @@ def suppress_compile_notice() -> Iterator[None]:
         _announced.intersection_update(before)
 
 
+def cache_subpath(source_folder: Path) -> str:
+    """Return the name of the folder where numba caches the functions of a source folder."""
+    from numba.core.caching import _CacheLocator
+
+    return str(_CacheLocator.get_suitable_cache_subpath(str(source_folder / "x.py")))
+
+
 def announce_compilation(place: Path) -> None:
     """Print a notice that kernels are being compiled, once for each folder of sources in COMPILE_TIMES_S.
 
     `place` is numba's cache folder, named by that of the sources and a hash. Child processes of a pool print nothing.
     """
     from multiprocessing import parent_process
-
-    from walkergen.core.numerics.shipped_kernels import cache_subpath
 
     name = next((folder for folder in COMPILE_TIMES_S if cache_subpath(PACKAGE / folder) == place.name), "")
     if not name or name in _announced or parent_process():

@@ -109,7 +109,7 @@ def _check_refused_design(what: str, word: str, body: dict[str, Any] | None = No
     try:
         _design(body, **legs)
     except GeometryError as error:
-        named = str(error).startswith("legs.tilt_deg = ") and word in str(error)
+        named = str(error).startswith("legs.") and word in str(error)
         return Check(f"{what}: refused as '{word}'", 0 if named else 1, 0, EXACT_REASON)
     return Check(f"{what}: refused as '{word}'", 1, 0, EXACT_REASON)
 

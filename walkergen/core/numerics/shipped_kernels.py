@@ -15,6 +15,8 @@ import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from walkergen.core import caches
+
 PACKAGE_FOLDER = Path(__file__).parents[2]
 KERNEL_FOLDER = PACKAGE_FOLDER / "kernels"
 MANIFEST = "manifest.json"
@@ -118,8 +120,9 @@ def install_in_cache(sums: dict[str, str]) -> None:
 
 def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
     """Return a subclass of `base`, numba's class of cache files, that reads shipped ones first (`sums`: by path)."""
-    subfolders = {  # of shipped kernels, by numba's names of their sources' folders
-        cache_subpath(PACKAGE_FOLDER / subfolder): subfolder for subfolder in {str(Path(name).parent) for name in sums}
+    # Subfolders of shipped kernels, by numba's names of their sources' folders
+    subfolders = {
+        caches.cache_subpath(PACKAGE_FOLDER / name): name for name in {str(Path(path).parent) for path in sums}
     }
 
     class ShippedFile(base):  # type: ignore[misc]
@@ -164,10 +167,3 @@ def file_checksum(path: Path) -> str:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError:
         return ""
-
-
-def cache_subpath(source_folder: Path) -> str:
-    """Return the name of the folder where numba caches the functions of a source folder."""
-    from numba.core.caching import _CacheLocator
-
-    return str(_CacheLocator.get_suitable_cache_subpath(str(source_folder / "x.py")))

@@ -158,11 +158,11 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
 def _pair_faults(legs: Legs, size: Size) -> list[str]:
     """Return the problems of two equal legs, one line each, with the largest possible tilt if there is one."""
     problems = []
-    for text in _pair_faults_at(legs, size, legs.tilt_deg):
+    for key, text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
         hint = f". A tilt up to {limit:.2f} deg is possible" if limit is not None else ""
-        key = "legs" if limit is None else f"legs.tilt_deg = {legs.tilt_deg:g}"
-        problems.append(f"{key} ({legs.kind}): {text}{hint}")
+        key = "tilt_deg" if limit is not None else key
+        problems.append(f"legs.{key} = {getattr(legs, key) or size.depth:g} ({legs.kind}): {text}{hint}")
     return problems
 
 
@@ -176,27 +176,25 @@ def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
     return problems or [*_crossing_faults(limbs), *_height_faults(limbs), *_stability_faults(limbs)]
 
 
-def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
-    """Return the problems of two equal legs at this tilt (deg) instead of their own."""
+def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[tuple[str, str]]:
+    """Return the problems of two equal legs at this tilt (deg), each with the key of [legs] to change."""
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = resolve_pair(trial, depth, -0.5 * thickness)
-    problems = [*_length_faults(back), *_end_faults(_outer_leg(back, front), length), *_side_faults(back, depth)]
-    spacing = legs.contact_spacing_mm
+    problems = [("length_mm", text) for text in _length_faults(back)]
+    problems += [("contact_spacing_mm", text) for text in _end_faults(_outer_leg(back, front), length)]
+    problems += [("width_mm", text) for text in _side_faults(back, depth)]
+    spacing, key = legs.contact_spacing_mm, "contact_spacing_mm"
     if 2.0 * back.half_width >= spacing:
-        problems.append(
-            f"the legs overlap: each is {2.0 * back.half_width:.3f} mm wide along "
-            f"the plate. Make legs.contact_spacing_mm = {spacing:g} larger"
-        )
-    problems += section_of(back).problems(back)
+        text = f"the legs overlap: each is {2.0 * back.half_width:.3f} mm wide along the plate. Make this larger"
+        problems.append((key, text))
+    problems += [("brace_thickness_mm", text) for text in section_of(back).problems(back)]
     for strut in section_of(back).struts(back):
         span = abs(strut.offset)
         if span + back.half_width + 0.5 * strut.thickness >= spacing:
-            problems.append(
-                f"a leg crosses the other leg's brace: it spans {span:.3f} mm, "
-                f"but legs.contact_spacing_mm = {spacing:g}"
-            )
-    return problems + _strut_faults((back, front), length)
+            text = f"a leg crosses the other leg's brace: it spans {span:.3f} mm, but the feet are {spacing:g} mm apart"
+            problems.append((key, text))
+    return problems + [(key, text) for text in _strut_faults((back, front), length)]
 
 
 def _outer_leg(back: Limb, front: Limb) -> Limb:
