@@ -162,6 +162,13 @@ def test_what_is_no_lens_is_one_line(tmp_path, changes, hint):
     assert len(str(caught.value).splitlines()) == 1
 
 
+def test_a_lens_is_scaled_to_the_film_and_refused_for_another_shape(tmp_path):
+    path = walkers.write(tmp_path / "film.mp4", [walkers.picture([(60, 25, 0.0)], walkers.Filmed(), seed=0)] * 3)
+    own = write(tmp_path / "lens.json", of(Camera(wide=400, high=100), -0.1))
+    with pytest.raises(InputError, match="calibrated with pictures of 400 x 100"):
+        wg.track(path, length=walkers.LONG, lens=own, out=tmp_path / "t")
+
+
 def test_opencv_s_own_objects_are_read(tmp_path):
     nested = GOOD | {
         "camera_matrix": {"rows": 3, "cols": 3, "data": np.ravel(GOOD["camera_matrix"]).tolist()},

@@ -47,10 +47,11 @@ def track(request: TrackFields, folder: Path, progress: Progress) -> TrackReport
 def find_walkers(request: TrackFields, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Remarks]:
     """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
     path = request.film
-    own_lens = None if request.lens is None else lens.read_lens(request.lens)
+    calibrated = request.lens and lens.read_lens(request.lens)
     films.require_extra()
     check_request(request)
     film = films.probe_film(path)
+    own_lens = calibrated and calibrated.for_film(film.width, film.height)
     if film.pictures and request.fps is None:
         raise InputError(f"{path}: pictures have no times. Give their rate, ‹fps›")
     part = select_part(film, request.region)
