@@ -29,10 +29,34 @@ Walker = Design | Name
 Ground = Scene | Name
 Machine = Printer | Name
 
-__all__ = ['Design', 'Printer', 'Scene', 'WalkergenError', '__version__', 'accuracy', 'analyse', 'calibrate', 'check', 'crowd', 'explain', 'export', 'family', 'fit', 'load', 'movie', 'plate', 'predict', 'selftest', 'simulate', 'sweep', 'templates', 'track']
+__all__ = [
+    "Design",
+    "Printer",
+    "Scene",
+    "WalkergenError",
+    "__version__",
+    "accuracy",
+    "analyse",
+    "calibrate",
+    "check",
+    "crowd",
+    "explain",
+    "export",
+    "family",
+    "fit",
+    "load",
+    "movie",
+    "plate",
+    "predict",
+    "selftest",
+    "simulate",
+    "sweep",
+    "templates",
+    "track",
+]
 
 def family(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     out: Name | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
@@ -42,8 +66,8 @@ def family(
     friction: float | None = None,
     gamma: float | None = None,
     frequency: float | None = None,
-    mode: Literal['coulomb', 'paper'] = 'coulomb',
-    printer: Machine = 'prusa-mk3s',
+    mode: Literal["coulomb", "paper"] = "coulomb",
+    printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -51,7 +75,7 @@ def family(
     max_parts: int = 5000,
     prusaslicer: bool = False,
     weights: Name | None = None,
-    model: Literal['best', 'known', 'theory'] = 'best',
+    model: Literal["best", "known", "theory"] = "best",
     simulate: bool = False,
     seconds: float | None = None,
     runs: int | None = None,
@@ -72,13 +96,13 @@ def family(
     """
 
 def export(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     out: Name | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
-    format: str | Iterable[str] = ['stl'],
-    caps: Literal['aruco'] | None = None,
+    format: str | Iterable[str] = ["stl"],
+    caps: Literal["aruco"] | None = None,
     scene: Ground | None = None,
     text: str | None = None,
     mirror: bool | None = None,
@@ -96,11 +120,11 @@ def export(
     """
 
 def check(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
-    printer: Machine = 'prusa-mk3s',
+    printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -131,8 +155,8 @@ def plate(
     copies: int | Mapping[float, int] | str = 1,
     orders: Name | None = None,
     serial: int | None = None,
-    caps: Literal['aruco'] | None = None,
-    printer: Machine = 'prusa-mk3s',
+    caps: Literal["aruco"] | None = None,
+    printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -157,7 +181,7 @@ def plate(
     """
 
 def predict(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     scene: Ground | None = None,
     tilt: float | Iterable[float] | str | None = None,
     *,
@@ -166,13 +190,13 @@ def predict(
     friction: float | None = None,
     gamma: float | None = None,
     frequency: float | None = None,
-    mode: Literal['coulomb', 'paper'] = 'coulomb',
+    mode: Literal["coulomb", "paper"] = "coulomb",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
     weights: Name | None = None,
     uncertain: bool = False,
-    model: Literal['best', 'known', 'theory'] = 'best',
+    model: Literal["best", "known", "theory"] = "best",
     why: bool = False,
     progress: Progress | None = None,
 ) -> PredictReport:
@@ -230,7 +254,7 @@ def sweep(
     """
 
 def simulate(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     scene: Ground | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
@@ -253,7 +277,7 @@ def simulate(
     uncertain: bool = False,
     draws: int = 64,
     out: Name | None = None,
-    of: str = 'speed_mm_s',
+    of: str = "speed_mm_s",
     all: bool = False,
     progress: Progress | None = None,
 ) -> SimulationReport:
@@ -280,7 +304,7 @@ def crowd(
     packing: float | None = None,
     arena: str | None = None,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     seconds: float | None = None,
     runs: int | None = None,
     restitution: float | None = None,
@@ -289,7 +313,7 @@ def crowd(
     frequency: float | None = None,
     step: float | None = None,
     seed: int | None = None,
-    model: Literal['space', 'flat'] | None = None,
+    model: Literal["space", "flat"] | None = None,
     rate_hz: float = 25.0,
     threads: int | None = None,
     write_only: bool = False,
@@ -324,7 +348,7 @@ def crowd(
     """
 
 def movie(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     scene: Ground | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
@@ -332,7 +356,7 @@ def movie(
     seconds: float | None = None,
     periods: float | None = None,
     slow: float | None = None,
-    view: Literal['above', 'perspective'] | None = None,
+    view: Literal["above", "perspective"] | None = None,
     fps: int = 25,
     restitution: float | None = None,
     friction: float | None = None,
@@ -357,11 +381,11 @@ def movie(
     """
 
 def explain(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     scene: Ground | None = None,
     *,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     friction: float | None = None,
     gamma: float | None = None,
     frequency: float | None = None,
@@ -392,11 +416,11 @@ def track(
     fps: float | None = None,
     frames: tuple[int, int | None] | str = (0, None),
     region: tuple[int, int, int, int] | str | None = None,
-    walkers: Literal['dark', 'light'] | None = None,
+    walkers: Literal["dark", "light"] | None = None,
     threshold: float | None = None,
     width: float | None = None,
-    heading: Literal['motion', 'mark'] = 'motion',
-    markers: Literal['aruco'] | None = None,
+    heading: Literal["motion", "mark"] = "motion",
+    markers: Literal["aruco"] | None = None,
     marker_mm: float | str | None = None,
     lens: Name | None = None,
     out: Name | None = None,
@@ -451,14 +475,14 @@ def analyse(
 
 def fit(
     speeds: Name,
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
-    model: Literal['prediction', 'theory', 'space'] = 'prediction',
+    model: Literal["prediction", "theory", "space"] = "prediction",
     fix: Mapping[str, float] | Iterable[str] = [],
-    prior: Literal['flat', 'scene'] | None = None,
+    prior: Literal["flat", "scene"] | None = None,
     predict: float | Iterable[float] | str | None = None,
-    mode: Literal['coulomb', 'paper'] = 'coulomb',
+    mode: Literal["coulomb", "paper"] = "coulomb",
     seed: int | None = None,
     set: Mapping[str, Any] = {},
     pictures: bool = True,
@@ -489,14 +513,14 @@ def fit(
 
 def calibrate(
     what: Name | None = None,
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     restitution: float | None = None,
     friction: float | None = None,
-    by: Literal['deflection', 'ring', 'both'] = 'both',
+    by: Literal["deflection", "ring", "both"] = "both",
     roll_deg: float = 1.0,
     drops: int = 24,
     seed: int | None = None,
@@ -504,7 +528,7 @@ def calibrate(
     measured_sd: float | None = None,
     tries: int = 1,
     height_mm: float = 10.0,
-    printer: Machine = 'prusa-mk3s',
+    printer: Machine = "prusa-mk3s",
     max_plates: int | None = None,
     prusaslicer: bool = False,
     strict: bool = False,
@@ -525,11 +549,11 @@ def calibrate(
     """
 
 def accuracy(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     scene: Ground | None = None,
     *,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     restitution: float | None = None,
     friction: float | None = None,
     set: Mapping[str, Any] = {},
@@ -550,11 +574,7 @@ def accuracy(
     <table: 5 rows of error, setting, runs, seconds, expected_s, known, why, accepted>
     """
 
-def selftest(
-    only: str | None = None,
-    *,
-    progress: Progress | None = None,
-) -> Report:
+def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:
     """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails.
 
     Notes

@@ -4,7 +4,9 @@ Parsers raise ValueError with the rule that a value breaks. The request adds the
 """
 
 import errno
+import math
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,10 @@ from walkergen.core.files import assignments, file_reading, formatting
 
 MAX_TILT_DEG, MAX_TILTS, MAX_BUDGET_S = 85, 10_000, 86_400.0
 """Largest tilt (deg), most tilts of a request, longest budget of time (s)."""
+
+
+RANGE_PATTERN = re.compile(r"\s*([0-9]+\.?[0-9]*)\s*(?:-|\.\.|–)\s*([0-9]+\.?[0-9]*)\s*")
+"""Range as people write it, which is not the form of a command."""
 
 
 def parse_number(text: object) -> float:
@@ -48,6 +54,8 @@ def parse_tilts(value: Any) -> list[float] | None:
         return None
     tilts: list[float] = []
     for piece in split_values(value):
+        if advice := suggest_range(piece):
+            raise ValueError(f"{piece!r} is not a number. {advice}")
         numbers = [parse_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
         if len(numbers) not in (1, 3):
             raise ValueError("write one tilt (10), a list (5,10,15) or FIRST:LAST:STEP (0:40:5), in degrees")
@@ -56,6 +64,15 @@ def parse_tilts(value: Any) -> list[float] | None:
     if len(unique) > MAX_TILTS:
         raise ValueError(f"{len(unique)} tilts. At most {MAX_TILTS} are allowed.")
     return unique
+
+
+def suggest_range(text: Any) -> str:
+    """Return advice on a text such as 5-15, which is meant as a range; "" for any other value."""
+    ends = RANGE_PATTERN.fullmatch(text) if isinstance(text, str) else None
+    if ends is None or float(ends[1]) >= float(ends[2]):
+        return ""
+    step = 0.5 * 10.0 ** math.floor(math.log10(float(ends[2]) - float(ends[1])))
+    return f"Write {ends[1]}:{ends[2]}:{step:g} for a range in steps of {step:g}."
 
 
 def _tilt_range(first: float, last: float, step: float) -> list[float]:

@@ -57,8 +57,7 @@ def test_unlike_legs_have_their_common_speed_and_the_mass_of_the_first_free_one(
     contact = LANE.contact
     each = stationary_speed(UNEQUAL, mass, contact.restitution, contact.friction, "coulomb")
     assert found["theory_mm_s"] == pytest.approx(float(each.factor) * prediction.impact_speed(LANE, mass))
-    assert (found["model"], found["speed_mm_s"]) == ("theory", None)  # the surrogate has no such walker
-    assert "not simulated yet" in found["status"]
+    assert found["model"] == "runs"  # the surrogate has no such walker
     assert found["total_g"] == pytest.approx(float(mass.total))
 
 

@@ -35,8 +35,8 @@ def request_of(*varied, model="prediction", scene=LANE):
     return SweepPoints(PAPER, scene, Space(tuple(axes.parse(text) for text in varied)), model)
 
 
-MANY_POINTS = request_of("legs.tilt_deg=2:90:1", "scene.contact.friction=0.1,0.3")
-"""178 points, three tasks; steep ones are refused."""
+MANY_POINTS = request_of("legs.tilt_deg=5:26:0.25,86,87,88,89", "scene.contact.friction=0.2,0.3")
+"""178 points, three tasks, all with a certain speed but the steep ones, which are refused."""
 
 
 @pytest.fixture

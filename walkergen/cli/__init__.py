@@ -24,6 +24,9 @@ INTERRUPTED_CODE = 130
 
 INTERRUPTED_MESSAGE = "interrupted: finished files are complete. Run the same command again for the rest."
 
+SWEPT_KEYS = {"--tilt": "legs.tilt_deg", "--gamma": "scene.drive.gamma", "--frequency": "scene.drive.frequency_hz"}
+"""Keys to set for options that other commands have."""
+
 
 class Root(Group):
     """Command line whose commands are imported when they are looked up."""
@@ -115,6 +118,8 @@ def _run_command(commands: typer.Typer | Callable[[], None], lost_interrupt: thr
             (get_command(commands) if isinstance(commands, typer.Typer) else commands)()
         except SystemExit as done:
             sys.stdout.flush()
+            if sys.argv[1:2] == ["sweep"] and (key := SWEPT_KEYS.get(getattr(done.__context__, "option_name", ""))):
+                print(f"Write --set {key}=VALUES.", file=sys.stderr)
             if isinstance(getattr(done.__context__, "__cause__", None), KeyboardInterrupt):
                 raise KeyboardInterrupt from None
             return done.code if isinstance(done.code, int) else int(done.code is not None)

@@ -69,7 +69,7 @@ def correct_by_runs(walker: Walker, case: SurrogateCase | None, progress: Progre
 
     Return None outside the surrogate's domain (`case` is None), or if runs cannot correct the surrogate.
     """
-    if case is None or not _can_correct(case):
+    if case is None or not can_correct(case):
         return None
     short_walker = walker.with_run_settings(seconds=SECONDS, discard_seconds=_settling_time(case))
     measured = measure(short_walker, UntilCertain(case), progress)
@@ -104,7 +104,7 @@ def combine(case: SurrogateCase, records: Sequence[RunResult]) -> Speeds | None:
     return prior._replace(centre=prior.centre + part * (measured - prior.centre), error=np.sqrt(part) * noise)
 
 
-def _can_correct(case: SurrogateCase) -> bool:
+def can_correct(case: SurrogateCase) -> bool:
     """Return whether runs can correct the surrogate: its error and chance of a fall are small, and the speed is steady.
 
     On a sloping plane a walker turns downhill. Below 1 g some prints stand and others bounce. With an accepted error

@@ -37,6 +37,12 @@ class Picture(NamedTuple):
     label: str
     """Name of the number, with its unit."""
 
+    @property
+    def name_and_unit(self) -> tuple[str, str]:
+        """Name and unit of the number, from its label."""
+        name, _, unit = self.label.partition(" (")
+        return name, unit.rstrip(")")
+
 
 class Kind(Protocol):
     """Module of a kind."""

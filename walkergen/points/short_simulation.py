@@ -6,7 +6,9 @@ The store keeps the speed, so that a second request, from anywhere, gets the sam
 """
 
 import math
+import time
 from collections.abc import Iterator
+from contextlib import closing
 
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
@@ -18,7 +20,7 @@ from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import By, PredictedSpeed, make_speed
-from walkergen.core.theory.surrogate import NORMAL_95, SurrogateCase
+from walkergen.core.theory.surrogate import NORMAL_95, SurrogateCase, UnknownError
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import corrected_surrogate, print_ensemble, run_time, walkers
 from walkergen.points.effect_selection import find_simplest
@@ -37,6 +39,9 @@ PRINT_S, PRINT_DISCARD_S = 2.0, 0.5
 
 MAX_RUN_S, MAX_RUNS = 4.0, 64
 """Measured time of a run of the nominal walker, s, and most of these runs."""
+
+USUAL_S = 180.0, 20.0
+"""Simulated time of a usual short simulation, and of one that corrects the surrogate, s."""
 
 MAX_CPU_S = 150.0
 """Maximum CPU time, from the steps, of a walker that is simulated without a request, s: usual ones take 5 to 30."""
@@ -58,11 +63,8 @@ def _store_key(walker: Walker) -> str:
 
 def load_stored(walker: Walker) -> Record | None:
     """Load the numbers of a walker's short simulation from the store; None without any."""
-    store = Store()
-    try:
+    with closing(Store()) as store:
         return store.get([_store_key(walker)]).get(_store_key(walker))
-    finally:
-        store.close()
 
 
 def simulate_short(walker: Walker, case: SurrogateCase | None, progress: Progress) -> Record:
@@ -77,12 +79,24 @@ def simulate_short(walker: Walker, case: SurrogateCase | None, progress: Progres
     if record is None:
         _check_run_length(walker)
         record = _simulate_runs(walker, progress)
-    store = Store()
-    try:
+    with closing(Store()) as store:
         store.save([(_store_key(walker), record)])
-    finally:
-        store.close()
     return record
+
+
+def expected_cpu_s(walker: Walker) -> float:
+    """Estimate the CPU seconds of a walker's short simulation from a moment; 0 if its speed is known without one."""
+    try:
+        prediction.predict(walker.design, walker.mass, walker.scene, "coulomb")
+    except UnknownError as reason:
+        if load_stored(walker) is not None:
+            return 0.0
+        started = time.thread_time()
+        rate = run_time.measure_rate(walker.plan())
+        moment_s = time.thread_time() - started  # short for a walker that falls, as its other runs are then
+        corrected = reason.near is not None and corrected_surrogate.can_correct(reason.near)
+        return min(rate * USUAL_S[corrected], MAX_RUNS * moment_s)
+    return 0.0
 
 
 def _simulate_runs(walker: Walker, progress: Progress) -> Record:

@@ -11,9 +11,10 @@ from walkergen.core.printing.printers import Printer
 from walkergen.core.simulation import observables
 from walkergen.core.simulation.ensemble import Summary, format_outcomes
 from walkergen.core.simulation.run import ENDED_WELL, Outcome
+from walkergen.core.theory.prediction import Prediction
 from walkergen.core.walker import solids, weighed_masses
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import run_time, speed_prediction, step_errors, walkers
+from walkergen.points import run_time, short_simulation, speed_prediction, step_errors, walkers
 from walkergen.points.effect_selection import find_simplest
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.model_kinds import Picture
@@ -29,7 +30,7 @@ MOTION_GROUPS: dict[str, tuple[str, ...]] = {
 }
 """Groups of numbers from tracks, with their estimates by the names of `estimates.UNITS`."""
 
-PREDICTED_COLUMNS = "speed_mm_s", "theory_mm_s", "model"
+PREDICTED_COLUMNS = "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "theory_mm_s", "model"
 SIMULATED_COLUMNS = (
     "speed_mm_s",
     "se_mm_s",
@@ -90,26 +91,30 @@ def cost(point: Point) -> float:
         runs = walker.scene.run.runs
         left = run_time.run_cpu_s(walker) * runs if wanted is None else walkers.cost_to_error(walker, wanted)
         return found.cpu_s + left
-    evaluate(point)  # not timed: it loads what all points share
+    mass = solids.mass_of(point.design)
+    speed_prediction.predict(
+        point.design, mass, point.scene, model="known"
+    )  # not timed: it loads what all points share
     started = time.thread_time()
-    evaluate(point)
-    return time.thread_time() - started
+    speed_prediction.predict(point.design, mass, point.scene, model="known")
+    return time.thread_time() - started + short_simulation.expected_cpu_s(Walker(point.scene, point.design, mass))
 
 
 def evaluate(point: Point) -> Record:
     """Compute the numbers of a point by column. Raises WalkergenError if it cannot be built or simulated."""
-    design, scene, keep = point.design, point.scene, point.keep
+    design, keep = point.design, point.keep
     weighed_masses.check_stated_masses(design)
     mass = solids.mass_of(design)
     record = _simulate_point(point, mass) if point.simulated else status_record(PointStatus.OK)
     if point.predicted:
-        row = speed_prediction.predict(design, mass, scene, model="known")
+        row, reason = _predict_point(point, mass)
         if point.simulated:
             record["predicted_mm_s"] = row.speed.value
         else:
-            record |= {"speed_mm_s": row.speed.value, "model": row.speed_by}
+            numbers = row.speed.row(95, stem="") | {"model": row.speed_by}
+            record |= {name: value for name, value in numbers.items() if name in PREDICTED_COLUMNS}
             if row.speed.value is None:
-                record |= status_record(PointStatus.OK, f"{row.note}: ‹model=›space")
+                record |= status_record(PointStatus.NO_SPEED, f"{PointStatus.NO_SPEED}: {reason}")
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
             columns = row.columns()
@@ -133,6 +138,18 @@ def evaluate(point: Point) -> Record:
         worst = in_order(findings, {"error", "warning"})
         record["print_told"] = worst[0].text if worst else None
     return record
+
+
+def _predict_point(point: Point, mass: MassProperties) -> tuple[Prediction, str]:
+    """Predict a point's speed, by a short simulation where the surrogate has none. Return it, and why it is missing."""
+    reason = ""
+    if not point.simulated:
+        try:
+            row = speed_prediction.predict(point.design, mass, point.scene)
+            return row, "falls over" if row.falls else row.note
+        except InputError as error:  # the simulation would take minutes
+            reason = error.text
+    return speed_prediction.predict(point.design, mass, point.scene, model="known"), reason
 
 
 def _simulate_point(point: Point, mass: MassProperties) -> Record:

@@ -92,7 +92,7 @@ def test_a_crowd_is_simulated_once_whatever_is_kept_of_it(calls, store):
     assert first == 2 * 3
     wider = swept(store, "scene.crowd.packing=0.1,0.2,0.3", *SHORT, keep=["milling", "packing"])
     assert len(calls) == first + 3
-    assert "2 of them stored before" in wider.lines[0]
+    assert "2 of the points were stored before" in wider.lines
     assert all(value is not None for value in wider.table["milling"])
 
 
@@ -109,7 +109,7 @@ def test_a_sweep_that_is_stopped_goes_on_at_the_crowd_that_it_was_in(calls, stor
         swept(store, PACKINGS, *SHORT)
     assert len(calls) == 3
     monkeypatch.setattr(crowds, "simulate", counted)
-    assert "1 of them stored before" in swept(store, PACKINGS, *SHORT).lines[0]
+    assert "1 of the points were stored before" in swept(store, PACKINGS, *SHORT).lines
     assert len(calls) == 6
 
 

@@ -67,7 +67,9 @@ def test_a_finished_sweep_is_not_run_again_and_an_extended_one_runs_what_is_new(
     counted = []
     real = model_kinds.evaluate
     monkeypatch.setattr("walkergen.guests.sweep.evaluation.evaluate", lambda p: counted.append(p) or real(p))
-    assert "all 10 points were stored before" in swept("--set", TILTS, "--out", "one").output
+    answered = swept("--set", TILTS, "--out", "one").output
+    assert answered.startswith("10 points. Fastest: 53.7 mm/s (95 %: 36.5 to 75.7) at legs.tilt_deg = 12")
+    assert "all points were stored before" in answered
     swept("--set", "legs.tilt_deg=2:30:2", "--out", "one")
     assert [one.design.tilt_deg for one in counted] == [22, 24, 26, 28, 30]
     assert (home / "one" / "table.csv").read_bytes()[: len(first)] == first
@@ -162,7 +164,8 @@ def test_a_person_s_own_table_is_left_alone(home):
 
 
 def test_points_that_cannot_be_are_rows_with_a_reason(home):
-    swept("--set", "legs.tilt_deg=10,80,-90", "--out", "one")
+    answered = swept("--set", "legs.tilt_deg=10,80,-90", "--out", "one").output
+    assert answered.startswith("2 of 3 points have no speed: ")
     good, steep, beyond = rows_of(home / "one" / "table.csv")
     assert good["status"] == "ok"
     assert steep["status"].startswith("refused:")
@@ -308,7 +311,7 @@ def test_a_job_reports_its_progress(home):
 
 def test_a_wished_speed_lists_the_nearest_points_and_leaves_the_table(home):
     wished = swept("--set", TILTS, "--set", GAMMAS, "--wish", "20", "--json", "--out", "one")
-    plain = swept("--set", TILTS, "--set", GAMMAS, "--keep", "speed,spread", "--out", "two")
+    plain = swept("--set", TILTS, "--set", GAMMAS, "--out", "two")
     assert "nearest" not in plain.output
     assert (home / "one" / "table.csv").read_bytes() == (home / "two" / "table.csv").read_bytes()
     nearest = json.loads(wished.stdout)["nearest"]
@@ -316,7 +319,7 @@ def test_a_wished_speed_lists_the_nearest_points_and_leaves_the_table(home):
     speeds = [float(row["speed_mm_s"]) for row in rows if row["speed_mm_s"]]
     expected = sorted(speeds, key=lambda speed: abs(speed - 20.0))[:5]
     assert [row["speed_mm_s"] for row in nearest] == expected
-    assert all(row["predicted_low_95_mm_s"] < row["speed_mm_s"] < row["predicted_high_95_mm_s"] for row in nearest)
+    assert all(row["low_95_mm_s"] < row["speed_mm_s"] < row["high_95_mm_s"] for row in nearest)
     told = swept("--set", TILTS, "--set", GAMMAS, "--wish", "20", "--out", "one").output
     assert "95 %" in told
     assert f"{expected[0]:.4g}" in told

@@ -12,6 +12,7 @@ import numpy as np
 from walkergen.core import InputError
 from walkergen.core.files import assignments
 from walkergen.core.files.config import MAX_INTEGER, MIN_MAGNITUDE
+from walkergen.field_values import suggest_range
 
 MAX_VALUES = 1_000_000
 """Largest number of values of an axis, and of samples."""
@@ -94,6 +95,8 @@ def from_text(key: str, value: str, source: str) -> Axis | Span:
             return make_span(key, float(numbers[0]), float(numbers[1]), source)
         elif ranged:
             raise InputError(f"{source}: bounds LOW:HIGH cannot be part of a list. Write FIRST:LAST:STEP.")
+        elif (advice := suggest_range(piece)) and not key.endswith(".text"):
+            raise InputError(f"{source}: {piece!r} is not a number. {advice}")
         elif not piece.strip():
             raise InputError(f"{source}: the list has an empty value. Remove a comma.")
         else:

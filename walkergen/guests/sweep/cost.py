@@ -13,12 +13,12 @@ from walkergen.points.store import Store
 MAX_UNCONFIRMED_POINTS = 100_000
 """Largest number of points in a sweep that starts without confirmation of its cost."""
 
-PILOT_POINTS, PILOT_DIVISOR = 5, 3
-"""Number of points whose cost is measured, and smallest ratio of all points to these if each takes its first runs, as
-for a requested or an accepted error."""
+PILOT_POINTS, PREDICTED_PILOTS, PILOT_DIVISOR = 5, 8, 3
+"""Number of simulated and of predicted points whose cost is measured, and smallest ratio of all points to these if each
+takes its first runs, as for a requested or an accepted error."""
 
-MIN_SWEEP_S, PREDICTION_S = 100.0, 0.5
-"""Simulated time (s) of a sweep below which its cost is not estimated, and the assumed time of a prediction."""
+MIN_SWEEP_S, MIN_SIMULATION_S = 100.0, 0.1
+"""Simulated time of a sweep below which its cost is not estimated; CPU time above which a point is simulated, s."""
 
 BYTES_PER_POINT = 300
 """Most bytes that a point takes in table and store together, and again for each group it keeps."""
@@ -31,6 +31,8 @@ class Cost(NamedTuple):
     seconds: float
     """Time by the clock, s."""
     bytes: float
+    note: str = ""
+    """Reason why a predicted sweep takes long."""
 
 
 def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
@@ -40,14 +42,18 @@ def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
     """
     points, run = sweep.space.point_count, sweep.scene.run
     costly = sweep.wanted is not None or (sweep.model != PREDICTION and run.accepted_error is not None)
-    count = min(PILOT_POINTS, points // PILOT_DIVISOR) if costly else PILOT_POINTS
-    if count == 0 or points * (PREDICTION_S if sweep.model == PREDICTION else run.runs * run.seconds) < MIN_SWEEP_S:
+    predicted = sweep.model == PREDICTION
+    count = PREDICTED_PILOTS if predicted else min(PILOT_POINTS, points // PILOT_DIVISOR) if costly else PILOT_POINTS
+    if count == 0 or (not predicted and points * run.runs * run.seconds < MIN_SWEEP_S):
         return None
     pilots = list(_pilot_points(sweep, count))
     stored = store.get([point_key(pilot) for pilot in pilots])
     costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
     total_s = run_time.wall_time(sum(costs) / count, points, workers)
-    return Cost(points, total_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points)
+    simulated = round(points * sum(each > MIN_SIMULATION_S for each in costs) / count)
+    text = f"the surrogate has no speed for {simulated} of {points} points: they are simulated"
+    note = text if predicted and simulated else ""
+    return Cost(points, total_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points, note)
 
 
 def _pilot_points(sweep: SweepPoints, count: int) -> Iterator[Point]:
@@ -73,13 +79,5 @@ def format_cost(cost: Cost | None, points: int) -> str:
     """Format number of points, time and disk space as a line; only `points` if the cost is unknown (None)."""
     if cost is None:
         return f"{format_number(points, 4)} points"
-    needed = f"about {format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"
+    needed = f"about {format_duration(cost.seconds)} and {format_number(cost.bytes / 1e6, 3)} MB on the disk"
     return f"{format_number(cost.points, 4)} points: {needed}"
-
-
-def _format_bytes(size: float) -> str:
-    for unit in ("B", "kB", "MB", "GB"):
-        if size < 1000.0:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.4g} TB"

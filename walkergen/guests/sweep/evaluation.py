@@ -3,6 +3,7 @@
 The pool evaluates tasks of one or several points. A slot is a point's position in the order, filled by its task.
 """
 
+import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
@@ -22,6 +23,9 @@ TASKS_PER_WORKER = 4
 LOOKUP_BLOCK, POINTS_PER_TASK = 64, 8
 """Number of points that are looked up together, and of predicted ones in a task: a prediction takes
 2 to 30 ms, and as a task of its own 1 ms more to be sent."""
+
+MAX_UNSAVED_S = 0.5
+"""Time of a point in this process after which all finished ones are saved, s."""
 
 MAX_PENDING = 4096
 """Most points that are kept while an earlier one takes long: all are yielded in their order."""
@@ -128,9 +132,10 @@ def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Do
         elif key in stored:
             finished.append(Done(key, stored[key], True))
         else:
+            started = time.monotonic()
             finished.append(Done(key, evaluate(point), False))
             unsaved.append((key, finished[-1].record))
-            if point.simulated:
+            if point.simulated or time.monotonic() - started > MAX_UNSAVED_S:
                 store.save(unsaved)
                 unsaved.clear()
                 yield from finished

@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 
 from walkergen.core import Mask
 from walkergen.files.figures import COLUMN_INCHES, PAGE_INCHES, style, wrap_text
+from walkergen.files.key_names import format_key
 from walkergen.guests.sweep import panels as draw
 from walkergen.guests.sweep.panels import DOUBTFUL_STYLE, LINE_STYLES, MISSING_STYLE
 from walkergen.guests.sweep.panels import Columns as Columns
@@ -59,13 +60,12 @@ def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Sca
         if _has_lines(scales):
             draw.draw_lines(axes, columns, ranked[0], ranked[1] if ranked[1:] else None, rows)
             axes.set_ylabel(draw.value_label(columns))
-            handles = _line_handles(columns, ranked[1:])
+            _draw_legend(drawn, _line_handles(columns, ranked[1:]), ranked[1:])
         else:
             norm = draw.make_norm(columns.value)
             draw.draw_map(axes, columns, scales[0], scales[1], rows, norm)
             _draw_colour_bar(drawn, [axes], norm, columns)
-            handles = _mark_handles(columns, hatched=True)
-        _draw_legend(drawn, handles)
+            _draw_legend(drawn, _mark_handles(columns, hatched=True))
     return drawn
 
 
@@ -100,11 +100,10 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
             elif _has_lines(others):
                 axes.set_ylabel(draw.value_label(columns))
         if _has_lines(others):
-            handles = _line_handles(columns, ranked[1:])
+            _draw_legend(drawn, _line_handles(columns, ranked[1:]), ranked[1:])
         else:
             _draw_colour_bar(drawn, panels, norm, columns)
-            handles = _mark_handles(columns, hatched=True)
-        _draw_legend(drawn, handles)
+            _draw_legend(drawn, _mark_handles(columns, hatched=True))
     return drawn
 
 
@@ -123,7 +122,7 @@ def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figur
     all_rows = np.ones(len(columns.value), dtype=bool)
     with _make_sheet(title, len(scales)) as (drawn, panels, in_row):
         for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
-            draw.draw_dots(axes, columns, scale, all_rows, LINE_STYLES[0], number=0, joined=False)
+            draw.draw_dots(axes, columns, scale, all_rows, LINE_STYLES[0], joined=False)
             format_axis(axes, "x", scale)
             if place % in_row == 0:
                 axes.set_ylabel(draw.value_label(columns, draw.MAX_CLOUD_BARS))
@@ -140,14 +139,8 @@ def _spread_numbers(count: int, max_count: int) -> list[int]:
 
 def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
     """Return (columns, scale, scale, ...) with only the rows where `rows` is True. The columns have no keys."""
-    kept = Columns(
-        {},
-        columns.value[rows],
-        columns.low[rows],
-        columns.high[rows],
-        [status for status, inside in zip(columns.status, rows, strict=True) if inside],
-        columns.label,
-    )
+    status = [status for status, inside in zip(columns.status, rows, strict=True) if inside]
+    kept = Columns({}, columns.value[rows], columns.low[rows], columns.high[rows], status, columns.label)
     return (kept, *(scale._replace(which=scale.which[rows]) for scale in scales))
 
 
@@ -182,20 +175,13 @@ def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, col
 
 
 def _line_handles(columns: Columns, scales: Sequence[Scale]) -> list[Any]:
-    """Return the legend entries for a line for each value of these scales, and for points with problems."""
+    """Return the legend entries for each drawn line, a value of these scales, and for points with problems."""
     handles: list[Any] = []
     for scale in scales:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), LINE_STYLES, strict=False):
-            handles.append(
-                Line2D(
-                    [],
-                    [],
-                    color=colour,
-                    linestyle=dash,
-                    marker=marker,
-                    label=format_value(scale, number, named=number == 0),
-                )
-            )
+            if not columns.missing[scale.which == number].all():
+                label = format_value(scale, number, named=False)
+                handles.append(Line2D([], [], color=colour, linestyle=dash, marker=marker, label=label))
     return handles + _mark_handles(columns)
 
 
@@ -216,10 +202,15 @@ def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
     return handles
 
 
-def _draw_legend(drawn: Figure, handles: Sequence[Any]) -> None:
-    """Add a legend below the panels, and make the figure taller for it."""
-    if not handles:
-        return
-    entries = 2 if drawn.get_figwidth() < PAGE_INCHES else 5
-    drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // entries))  # inches a row
-    drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=entries, handlelength=2.8)
+def _draw_legend(drawn: Figure, handles: Sequence[Any], lines: Sequence[Scale] = ()) -> None:
+    """Add a legend below the panels, as wide as fits, and make the figure taller for it. `lines`: key of the lines."""
+    title = format_key(lines[0].key).partition(" (")[0] if lines else None
+    looks: Any = {"loc": "outside lower center", "frameon": False, "handlelength": 2.8, "title": title}
+    for entries in range(len(handles), 0, -1):
+        legend = drawn.legend(handles=list(handles), ncols=entries, **looks)
+        inches = legend.get_window_extent().width / drawn.dpi
+        if inches <= drawn.get_figwidth() - 0.1 or entries == 1:
+            rows = -(-len(handles) // entries) + bool(title)
+            drawn.set_figheight(drawn.get_figheight() + 0.16 * rows)  # inches a row
+            return
+        legend.remove()

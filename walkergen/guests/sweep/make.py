@@ -11,6 +11,7 @@ from typing import Any
 from walkergen.core import Expect, Expected, Folder, InputError, Progress, versions
 from walkergen.core.files import output
 from walkergen.core.files.formatting import is_number
+from walkergen.core.measure import core_count
 from walkergen.guests.sweep import cost, evaluation, report, sweep_setup, table
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.report import Points, SweepReport
@@ -36,7 +37,8 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
     folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
     in_process = not request.from_shell or (sweep.model == PREDICTION and sweep.space.point_count <= MAX_LOCAL_POINTS)
     with closing(Store()) as store, open_pool(in_process, request.workers, request.dask) as pool:
-        workers = 1 if pool is None else pool.workers
+        # In this process a point takes one core, but a short simulation takes all of them.
+        workers = pool.workers if pool is not None else 1 if sweep.model != PREDICTION else core_count()
 
         def estimate() -> cost.Cost | None:
             """Estimate the cost of this sweep; None if it is small."""
@@ -47,7 +49,7 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
                 f"{cost.format_cost(estimate(), sweep.space.point_count)}. Give ‹yes› to start, or use fewer points.",
                 "yes",
             )
-        expect(lambda: None if (found := estimate()) is None else Expected(found.seconds))
+        expect(lambda: None if (found := estimate()) is None else Expected(found.seconds, found.note))
         if folder is None:
             return evaluate_all(request, sweep, store, pool, progress)
         return make_sweep(request, sweep, folder, store, pool, progress)
@@ -70,7 +72,7 @@ def make_sweep(
         if earlier := _load_finished(request, sweep, folder):
             return earlier
         warnings = _rename_changed_table(folder)
-        points = Points(sweep.columns, request.keeps_rows or drawn)
+        points = Points(sweep.space.keys, sweep.columns, sweep.main_number, request.keeps_rows or drawn)
         folder.start_growing_file(table.TABLE_FILE)
         with Table(path / table.TABLE_FILE, sweep.space.keys, points.names) as rows:
             for values, done in _evaluate_points(sweep, store, pool, progress):
@@ -85,7 +87,7 @@ def evaluate_all(
     request: SweepRequest, sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
     """Evaluate all points of a sweep and return the report, without files. Raises as `make_sweep` does."""
-    points = Points(sweep.columns, kept=True)
+    points = Points(sweep.space.keys, sweep.columns, sweep.main_number, kept=True)
     for values, done in _evaluate_points(sweep, store, pool, progress):
         points.add(values, done)
     return report.make_report(sweep, points, wish=request.wish)
@@ -107,13 +109,15 @@ def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) ->
     Return None otherwise, if pictures are missing, or if rows are requested, which the manifest does not contain.
     """
     facts = folder.earlier_manifest()
-    if request.keeps_rows or facts.get("request") != _sweep_hash(sweep) or not folder.is_unchanged():
+    unchanged = facts.get("request") == _sweep_hash(sweep) and "missing" in facts and folder.is_unchanged()
+    if request.keeps_rows or not unchanged:
         return None
     if request.pictures and not any(name.endswith(".png") for name in facts["files"]):
         return None
-    count = sweep.space.point_count
-    result = report.make_report(sweep, Points(sweep.columns, kept=False, count=count, stored=count, bad=facts["bad"]))
-    return report.add_files(result, folder.path, list(facts["files"]))
+    points = Points(sweep.space.keys, sweep.columns, sweep.main_number, kept=False)
+    points.count = points.stored = sweep.space.point_count
+    points.bad, points.missing, points.best = (facts[name] for name in ("bad", "missing", "best"))
+    return report.add_files(report.make_report(sweep, points), folder.path, list(facts["files"]))
 
 
 def _sweep_hash(sweep: SweepPoints) -> str:
@@ -183,7 +187,7 @@ def _write_other_files(sweep: SweepPoints, folder: Folder, result: SweepReport, 
         **_sweep_facts(sweep),
         "request": _sweep_hash(sweep),
         "sources": digest(),
-        **{name: result.facts[name] for name in ("points", "known", "bad")},
+        **{name: result.facts[name] for name in ("points", "known", "bad", "missing", "best")},
         "seconds": round(seconds, 3),
         "versions": versions(),
     }

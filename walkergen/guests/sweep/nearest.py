@@ -11,8 +11,8 @@ MAX_SHOWN = 5
 """Number of points shown to people."""
 
 SPEED_COLUMN = "speed_mm_s"
-BOUND_COLUMNS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
-"""Columns of the bounds of 95 %, of a simulated speed and of a predicted one."""
+BOUND_COLUMNS = "low_95_mm_s", "high_95_mm_s"
+"""Columns of the bounds of 95 %."""
 
 
 def check_speed(names: Sequence[str]) -> None:
@@ -43,10 +43,8 @@ def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
     """Return the displayed columns: the varied `keys`, the speed and its bounds. `names`: columns of the rows."""
     columns = [_column(key, (names.index(key),), format_value) for key in keys]
     columns.append(_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
-    for low, high in BOUND_COLUMNS:
-        if low in names:
-            columns.append(_column("95 %\n(mm/s)", (names.index(low), names.index(high)), _format_span))
-            break
+    if BOUND_COLUMNS[0] in names:
+        columns.append(_column("95 %\n(mm/s)", [names.index(end) for end in BOUND_COLUMNS], _format_span))
     return columns
 
 

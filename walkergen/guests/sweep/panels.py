@@ -1,6 +1,6 @@
 """Panels of the figures of a sweep: lines, a map or a cloud of points in given axes.
 
-Points that have no number are crosses, or hatched cells; those in doubt have open symbols.
+Points that have no number are crosses below the axis, or hatched cells; those in doubt have open symbols.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import CenteredNorm, Normalize
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from walkergen.core import Array, Mask
 from walkergen.guests.sweep.scales import Scale, cell_edges, format_axis
@@ -28,6 +29,12 @@ MIN_CONTOUR_VALUES, MIN_CONTOUR_SHARE = 4, 0.75
 LABEL_DISTANCE, CONTOUR_DISTANCE = 0.18, 0.05
 """Distances of a contour's label from other labels and from other contours, at least, as shares of
 the panel's width and height."""
+
+ROW_PT = 6.0
+"""Distance of the row of points without a number below the axis, points."""
+
+MAX_SMALL_SHARE = 0.05
+"""Share of the largest number up to which negative ones do not centre the colours on zero."""
 
 MAX_CORNERS = 200
 """Corners of a contour among which its label is placed."""
@@ -84,9 +91,9 @@ class Columns(NamedTuple):
 
 
 def make_norm(value: Array) -> Normalize:
-    """Return the colour scale for all numbers of a figure, centred on zero if both signs occur."""
+    """Return the colour scale for all numbers of a figure, centred on zero if clearly both signs occur."""
     low, high = float(np.nanmin(value)), float(np.nanmax(value))
-    if low < 0.0 < high:
+    if low < -MAX_SMALL_SHARE * high < 0.0:
         return CenteredNorm(0.0, max(-low, high))
     return Normalize(low, high) if low < high else Normalize(low - 0.5, high + 0.5)
 
@@ -112,7 +119,7 @@ def draw_lines(axes: Axes, columns: Columns, x: Scale, line_scale: Scale | None,
     for number in range(count):
         chosen = rows if line_scale is None else rows & (line_scale.which == number)
         shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
-        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], number, joined=not x.words, shift=shift)
+        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], joined=not x.words, shift=shift)
     format_axis(axes, "x", x)
     shown = columns.value[~columns.missing]
     if x.words:
@@ -122,14 +129,7 @@ def draw_lines(axes: Axes, columns: Columns, x: Scale, line_scale: Scale | None,
 
 
 def draw_dots(
-    axes: Axes,
-    columns: Columns,
-    x: Scale,
-    rows: Mask,
-    style: tuple[str, Any, str],
-    number: int,
-    joined: bool,
-    shift: float = 0.0,
+    axes: Axes, columns: Columns, x: Scale, rows: Mask, style: tuple[str, Any, str], joined: bool, shift: float = 0.0
 ) -> None:
     """Draw points, with their bounds, over the key of a scale. Points without a number are crosses at the bottom.
 
@@ -145,8 +145,6 @@ def draw_dots(
         True for points to draw, shape (n,).
     style : tuple
         Colour, dash and marker.
-    number : int
-        Index of the line among all lines, from 0. It sets the height of the crosses.
     joined : bool
         Whether to join the points by a line.
     shift : float
@@ -164,33 +162,21 @@ def draw_dots(
         axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
     elif bounded.any() and len(order) <= MAX_CLOUD_BARS:
         lengths = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
-        axes.errorbar(
-            places[bounded],
-            value[bounded],
-            lengths,
-            fmt="none",
-            ecolor=colour,
-            elinewidth=0.8,
-            alpha=0.5 if crowded else 1.0,
-        )
+        looks: Any = {"fmt": "none", "ecolor": colour, "elinewidth": 0.8, "alpha": 0.5 if crowded else 1.0}
+        axes.errorbar(places[bounded], value[bounded], lengths, **looks)
     doubtful = columns.doubtful[order]
     plain = np.flatnonzero(~doubtful & np.isfinite(value))
     if crowded and joined:  # enough of them to tell the lines apart
         plain = plain[:: max(1, len(plain) // 12)]
-    dots: Any = {
-        "linestyle": "none",
-        "marker": marker,
-        "color": colour,
-        "zorder": 3,
-        "rasterized": len(order) > MAX_CLOUD_BARS,
-    }
+    dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3}
+    dots["rasterized"] = len(order) > MAX_CLOUD_BARS
     axes.plot(places[plain], value[plain], **dots)
     axes.plot(places[doubtful], value[doubtful], markerfacecolor="white", **dots)
     missing = places[np.isnan(value)]
-    if len(missing):
-        height = np.full(len(missing), 0.03 + 0.05 * number)
-        x_data_y_share = axes.get_xaxis_transform()
-        axes.plot(missing, height, "x", color=colour, transform=x_data_y_share, clip_on=False)
+    if len(missing):  # in one row between the axis and its numbers: on the axis they would read as speeds
+        row = axes.get_xaxis_transform() + ScaledTranslation(0.0, -ROW_PT / 72.0, axes.figure.dpi_scale_trans)
+        axes.plot(missing, np.zeros(len(missing)), "x", color="black", transform=row, clip_on=False)
+        axes.tick_params(axis="x", pad=3.5 + ROW_PT)
 
 
 def value_label(columns: Columns, max_points: int | None = None) -> str:
@@ -236,22 +222,25 @@ def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
 
 def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize) -> None:
     """Draw labelled contours of `value`, shape (y values, x values), dashed below zero."""
-    levels = MaxNLocator(7).tick_values(value.min(), value.max())
-    levels = levels[(levels > value.min()) & (levels < value.max())]
-    if not len(levels):
+    for count in (7, 5, 4, 3, 2):  # fewer levels, until all have room for a label
+        levels = MaxNLocator(count).tick_values(value.min(), value.max())
+        levels = levels[(levels > value.min()) & (levels < value.max())]
+        if not len(levels):
+            return
+        looks: Any = {
+            "colors": [_line_colour(norm, level) for level in levels],
+            "linestyles": ["--" if level < 0 else "-" for level in levels],
+        }
+        lines = axes.contour(x.places, y.places, value, levels=levels, linewidths=0.8, **looks)
+        segments = [np.concatenate(parts) for parts in lines.allsegs if len(parts)]
+        segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
+        places = _label_places(axes, segments)
+        if len(places) == len(segments):
+            break
+        lines.remove()
+    else:
         return
-    lines = axes.contour(
-        x.places,
-        y.places,
-        value,
-        levels=levels,
-        linewidths=0.8,
-        colors=[_line_colour(norm, level) for level in levels],
-        linestyles=["--" if level < 0 else "-" for level in levels],
-    )
-    segments = [np.concatenate(parts) for parts in lines.allsegs]
-    segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
-    axes.clabel(lines, fmt="%g", fontsize=7, manual=_label_places(axes, segments))
+    axes.clabel(lines, fmt="%g", fontsize=7, manual=places)
 
 
 def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:

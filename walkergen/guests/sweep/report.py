@@ -1,4 +1,4 @@
-"""Report of a sweep: number of points, their problems, their rows, and their figure."""
+"""Report of a sweep: its answer, its rows, and its figures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from walkergen.files.report import Report, Table
+from walkergen.core import format_number, format_range
+from walkergen.files.report import Report, Table, format_value
 from walkergen.guests.sweep import nearest
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.sweep_points import SweepPoints
@@ -18,13 +19,20 @@ from walkergen.points.point import STATUS_KEY, WENT_KEY, PointStatus
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MAX_REASONS = 3
+"""Maximum number of reasons for missing numbers in the answer."""
+
 
 @dataclass
 class Points:
     """Evaluated points of a sweep, counted by outcome."""
 
+    keys: Sequence[str]
+    """Keys that vary."""
     names: Sequence[str]
     """Names of the numbers of a row, beyond those of the keys."""
+    main: Picture | None
+    """Number that answers: the speed or, for crowds, the first that is kept; None without any."""
     kept: bool
     """True for rows that are kept in memory, for a figure or for the caller."""
     count: int = 0
@@ -32,6 +40,10 @@ class Points:
     """Number of those that an earlier run, or another sweep, had evaluated."""
     bad: dict[str, int] = field(default_factory=dict)
     """Number of points by status, for all but "ok"."""
+    missing: dict[str, int] = field(default_factory=dict)
+    """Number of points without the main number, by reason."""
+    best: dict[str, Any] = field(default_factory=dict)
+    """Values of the keys, and numbers, of the point with the largest main number."""
     rows: list[tuple[Any, ...]] = field(default_factory=list)
 
     def add(self, values: Sequence[Any], done: Done) -> None:
@@ -40,6 +52,13 @@ class Points:
         self.stored += done.stored
         if (status := str(done.record[WENT_KEY])) != PointStatus.OK:
             self.bad[status] = self.bad.get(status, 0) + 1
+        if self.main is not None:
+            value = done.record.get(self.main.value)
+            if value is None:
+                reason = str(done.record[STATUS_KEY]).removeprefix(f"{status}: ").partition(". ")[0]
+                self.missing[reason] = self.missing.get(reason, 0) + 1
+            elif not self.best or value > self.best[self.main.value]:
+                self.best = {**dict(zip(self.keys, values, strict=True)), **done.record}
         if self.kept:
             self.rows.append((*values, *map(done.record.get, self.names)))
 
@@ -65,6 +84,7 @@ def make_report(
     keys, title = sweep.space.keys, sweep.title
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
     facts: dict[str, Any] = {"points": points.count, "known": points.stored, "bad": points.bad, "files": []}
+    facts |= {"missing": points.missing, "best": points.best}
     shown = rows
     if wish is not None:
         shown = nearest.sort_by_distance(rows, keys, wish)
@@ -73,6 +93,7 @@ def make_report(
         name="sweep",
         title=title,
         tables=[shown],
+        caption=format_answer(points),
         lines=_count_lines(points),
         facts=facts,
         figures=_figure_functions(rows, keys, sweep.kind.pictures(sweep.keep)),
@@ -84,17 +105,43 @@ def make_report(
 def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
     """Return the report with the `names` of files that were written to a folder."""
     facts = {**report.facts, "files": [str(folder / name) for name in names]}
-    return replace(report, facts=facts, lines=[*report.lines, f"in {folder}: {', '.join(names)}"])
+    pictures = [f"picture: {folder / name}" for name in names if name.endswith(".png")]
+    lines = [*pictures, *report.lines, f"in {folder}: {', '.join(names)}"]
+    return replace(report, facts=facts, lines=lines)
+
+
+def format_answer(points: Points) -> str:
+    """Return the sentence that answers: how many points have no main number, and which has the largest."""
+    answer = "1 point" if points.count == 1 else f"{points.count} points"
+    if points.main is None:
+        return answer
+    name, unit = points.main.name_and_unit
+    if points.missing:
+        reasons = sorted(points.missing.items(), key=lambda pair: -pair[1])
+        listed = "; ".join(f"{reason} ({count})" for reason, count in reasons[:MAX_REASONS])
+        more = " (all: column status of the table)" if reasons[MAX_REASONS:] else ""
+        answer = f"{sum(points.missing.values())} of {answer} have no {name}: {listed}{more}"
+    if not points.best:
+        return answer
+    low, high = (points.best.get(key) for key in (points.main.low, points.main.high))
+    number = f"{format_number(points.best[points.main.value], 3)} {unit}".rstrip()
+    if low is not None and high is not None:
+        number += f" (95 %: {format_range(low, high, 3)})"
+    if not points.keys:
+        return f"{answer}: {number}"
+    values = ", ".join(f"{key} = {format_value(points.best[key])}" for key in points.keys)
+    return f"{answer}. {'Fastest' if name == 'speed' else f'Largest {name}'}: {number} at {values}"
 
 
 def _count_lines(points: Points) -> list[str]:
-    """Return the lines on the number of points: all, those stored before, and those with problems."""
-    before = f", {points.stored} of them stored before" if points.stored else ""
-    counted = f"{points.count} points{before}"
-    if points.stored == points.count:
-        counted = f"all {points.count} points were stored before"
-    bad = points.bad.items()
-    return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
+    """Return the lines on points in doubt, and on points that were stored before."""
+    doubts = [
+        f"{count} of {points.count} points: {name} (column status of the table)"
+        for name, count in points.bad.items()
+        if name not in (PointStatus.NO_SPEED, PointStatus.REFUSED)
+    ]
+    stored = "all" if points.stored == points.count else f"{points.stored} of the"
+    return [*doubts, *([f"{stored} points were stored before"] if points.stored else [])]
 
 
 def _figure_functions(
@@ -116,7 +163,7 @@ def _figure_functions(
 
 def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
     """Draw one number of the points in `rows`, with its bounds if known, against the varied `keys`."""
-    from walkergen.guests.sweep import figures
+    from walkergen.guests.sweep import figures, scales
     from walkergen.guests.sweep.panels import Columns
 
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=True))
@@ -124,4 +171,7 @@ def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure
     low, high = (rows[end] if end in columns else unknown for end in (picture.low, picture.high))
     values = {key: columns[key] for key in keys}
     drawn = Columns(values, rows[picture.value], low, high, columns[STATUS_KEY], picture.label)
-    return figures.draw_figure(drawn, keys, rows.title)
+    best, name = int(np.nanargmax(drawn.value)), picture.name_and_unit[0]
+    varied = [scale for scale in (scales.make_scale(key, values[key]) for key in keys) if len(scale.values) > 1]
+    at = ", ".join(scales.format_value(scale, int(scale.which[best]), scale.unit == "") for scale in varied)
+    return figures.draw_figure(drawn, keys, f"{name[:1].upper()}{name[1:]} of {rows.title}: highest at {at}")

@@ -43,6 +43,11 @@ class Scale(NamedTuple):
         """Positions of the rows on the axis, shape (n,)."""
         return self.places[self.which]
 
+    @property
+    def unit(self) -> str:
+        """Unit of the values; "" without one."""
+        return format_key(self.key).partition(" (")[2].rstrip(")")
+
 
 def make_scale(key: str, values: Sequence[Any]) -> Scale:
     """Return the scale of a key from its values in all rows. If one is no number, all count as words."""
@@ -64,10 +69,8 @@ def _to_word(value: Any) -> str:
 
 def format_value(scale: Scale, number: int, named: bool = True) -> str:
     """Format the value with index `number` of a scale: "tilt of the legs 10 deg" or, if not `named`, "10 deg"."""
-    name, _, unit = format_key(scale.key).partition(" (")
-    value = scale.values[number]
-    shown = value if scale.words else f"{value:.5g}"
-    parts = (name if named else "", shown, unit.rstrip(")"))
+    name, value = format_key(scale.key).partition(" (")[0], scale.values[number]
+    parts = (name if named else "", value if scale.words else f"{value:.5g}", scale.unit)
     return " ".join(part for part in parts if part)
 
 

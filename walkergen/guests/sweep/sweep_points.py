@@ -10,7 +10,7 @@ from walkergen.core.files import assignments
 from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.evaluation import PointOrRefusal
 from walkergen.points import model_kinds
-from walkergen.points.model_kinds import Kind
+from walkergen.points.model_kinds import Kind, Picture
 from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, STATUS_KEY, Point, refused_record
 
 MAX_CHECKED_POINTS = 1000
@@ -42,9 +42,23 @@ class SweepPoints(NamedTuple):
         return model_kinds.load_kind(model_kinds.kind_of(self.model))
 
     @property
+    def main_number(self) -> Picture | None:
+        """Number that answers the sweep: the first of the pictures; None without any."""
+        return next(iter(self.kind.pictures(self.keep)), None)
+
+    @property
     def title(self) -> str:
-        """Title of the pictures: the walker, its scene, and the model."""
-        return f"{self.design.name}, {self.scene.name}, {self.kind.title(self.model)}"
+        """Title of the pictures: the walker, what is not varied of its tilt and its drive, and the model."""
+        drive, keys = self.scene.drive, " ".join(self.space.keys)
+        fixed = ["" if "tilt_deg" in keys else f"{self.design.tilt_deg:g} deg tilt"]
+        if f"{SCENE_PREFIX}drive." not in keys:
+            fixed.append(self.scene.name)
+        elif drive.kind == "plate":
+            fixed.append("" if "frequency_hz" in keys else f"{drive.frequency:g} Hz")
+            changed = any(name in keys for name in ("gamma", "peak_speed", "amplitude"))
+            fixed.append("" if changed else f"{drive.peak_gamma:.3g} g")
+        parts = [part for part in (*fixed, self.kind.title(self.model)) if part]
+        return f"{self.design.name} ({', '.join(parts)})"
 
     @property
     def folder_name(self) -> str:

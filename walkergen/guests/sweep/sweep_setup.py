@@ -74,8 +74,7 @@ def make_points(
         error = DEFAULT_ERROR
     if kind.RUNS is not None and "scene.run.runs" not in keys:
         scene = scene.variant(**{"run.runs": kind.RUNS})
-    default = ("speed", "spread") if with_speed and model == PREDICTION else kind.KEPT
-    kept = tuple(dict.fromkeys(keep or default))
+    kept = tuple(dict.fromkeys(keep or kind.KEPT))
     points = SweepPoints(design, scene, space, model, kept, error, printer, data, file)
     for key in constants:
         if model_kinds.kind_of(model) == ALONE:
@@ -116,17 +115,9 @@ def _read_sources(
 def from_file(path: Path, with_speed: bool = False) -> SweepPoints:
     """Read the points of a sweep from a sweep.toml. `with_speed`: True if they must have a speed. Raises InputError."""
     file = sweep_file.read_sweep(path)
+    sources, table = (file.design, file.scene, file.printer), f"{path}: set"
     return make_points(
-        (file.design, file.scene, file.printer),
-        file.folder,
-        file.space,
-        file.constants,
-        file.model,
-        file.error,
-        file.keep,
-        f"{path}: set",
-        with_speed,
-        path,
+        sources, file.folder, file.space, file.constants, file.model, file.error, file.keep, table, with_speed, path
     )
 
 

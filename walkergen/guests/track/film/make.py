@@ -47,7 +47,7 @@ def track(request: TrackFields, folder: Path, progress: Progress) -> TrackReport
 def find_walkers(request: TrackFields, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Remarks]:
     """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
     path = request.film
-    calibrated = request.lens and lens.read_lens(request.lens)
+    calibrated = None if request.lens is None else lens.read_lens(request.lens)
     films.require_extra()
     check_request(request)
     film = films.probe_film(path)
