@@ -37,6 +37,32 @@ def test_every_control_holds_the_value_of_its_key_and_limits_around_it(walker):
             assert low <= control.value <= high
 
 
+L_SHAPE = '<svg xmlns="http://www.w3.org/2000/svg" width="41mm" height="23mm" viewBox="0 0 41 23"><path d="M0 0H41V10H30V23H0Z"/></svg>'  # noqa: E501
+OWN = {"drawing": {"body.outline": "own.svg"}, "mesh": {"body.mesh": "own.stl"}, "text": {"body.text": "Ag"}}
+
+
+@pytest.mark.parametrize("walker", [*templates.names("walkers"), *OWN])
+def test_a_shown_value_that_is_written_leaves_the_walker_as_it_is(tmp_path, walker):
+    """Within the digits of the page. Values that other keys determine are shown, too, and cannot be written."""
+    (tmp_path / "own.svg").write_text(L_SHAPE)
+    trimesh.creation.box((51.0, 22.0, 9.0)).export(tmp_path / "own.stl")
+    values = {key: str(tmp_path / name) if "own" in name else name for key, name in OWN.get(walker, {}).items()}
+    page = document(**values) if walker in OWN else document(walker)
+    design, shown = page.load_design(), controls(page)
+    for key, control in shown.items():
+        if control.value is None or control.follows:
+            continue
+        again = document(page.walker, **(values | {key: control.value}))
+        found = again.load_design()
+        assert tuple(found.size) == pytest.approx(tuple(design.size), rel=1e-3), key
+        for limb, old in zip(found.limbs, design.limbs, strict=True):
+            assert (limb.along, limb.length, limb.width) == pytest.approx((old.along, old.length, old.width), rel=1e-3)
+        assert again.load_scene() == page.load_scene()
+        assert again.load_printer() == page.load_printer()
+    if design.has_automatic_legs or design.body.text:
+        assert shown["body.length_mm"].value == pytest.approx(design.size.length, rel=1e-3)
+
+
 def test_limits_are_those_that_a_refusal_names():
     tilt = controls(document())["legs.tilt_deg"]
     assert (tilt.low, tilt.high, tilt.unit) == (-85.0, 85.0, "°")

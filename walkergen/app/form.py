@@ -15,24 +15,14 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from walkergen.app.document import Document, tilt_key
 from walkergen.core.files.config import Section
 from walkergen.core.walker.body import Body
+from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Leg, Legs
 from walkergen.core.walker.spec import Family
+from walkergen.files import key_names
 from walkergen.inputs import TILTS
 
-UNITS = {
-    "deg": "°",
-    "mm": "mm",
-    "um": "µm",
-    "mm_s": "mm/s",
-    "hz": "Hz",
-    "g": "g",
-    "us": "µs",
-    "g_cm3": "g/cm³",
-    "gpa": "GPa",
-    "percent": "%",
-    "n_per_m": "N/m",
-    "mm2": "mm²",
-}
+UNITS = {suffix[1:]: unit for suffix, unit in key_names.UNITS_BY_SUFFIX.items()}
+UNITS |= {"deg": "°", "n_per_m": "N/m", "mm2": "mm²"}
 """Units by the suffixes of keys; a longer suffix comes before its own ending."""
 
 MAX_FULL_RANGE, SLIDER_FACTOR, MAX_SLIDER_TILT_DEG = 400.0, 3.0, 45.0
@@ -64,6 +54,8 @@ class Control(NamedTuple):
     choices: tuple[str, ...] = ()
     optional: bool = False
     """True if the key is optional."""
+    follows: bool = False
+    """True if other keys determine the value, so that the page shows it but does not offer to change it."""
 
 
 class Group(NamedTuple):
@@ -92,14 +84,45 @@ def groups(document: Document) -> list[Group]:
     ):
         tables += _table_groups(section, prefix, title)
     tilts = [control for table in tables for control in table.controls if control.key in TILTS]
+    resolved = resolved_values(design)
     for table in tables:
-        table.controls[:] = [control for control in table.controls if control not in tilts]
+        table.controls[:] = [_resolve(each, design, resolved) for each in table.controls if each not in tilts]
     for control in tilts:
         if control.key == tilt_key(design):
             steepest = max(MAX_SLIDER_TILT_DEG, abs(design.tilt_deg))
             tilt = control._replace(value=design.tilt_deg, slider=(-steepest, steepest), optional=False)
             return [Group("tilt", [tilt]), *tables]
     return tables
+
+
+def resolved_values(design: Design) -> dict[str, float]:
+    """Return the lengths that the walker's keys leave open (a file's size, automatic legs), mm, by dotted key."""
+    legs, automatic = design.legs, design.has_automatic_legs
+    follows = design.body.scales_with_length and "length_mm" not in design.body.model_fields_set
+    open_keys = {"body.length_mm": design.size.length} if follows else {}
+    for number, limb in enumerate(() if design.is_complete_mesh else design.limbs, start=1):
+        place, leg = ("legs", legs) if isinstance(legs, Legs) else (f"legs[{number}]", legs[number - 1])
+        if leg.width_mm is None or automatic:
+            open_keys[f"{place}.width_mm"] = limb.width
+        if isinstance(leg, Leg) and leg.thickness_mm is None:
+            open_keys[f"{place}.thickness_mm"] = limb.thickness
+    if automatic:
+        along = [limb.along for limb in design.limbs]
+        open_keys["legs.contact_spacing_mm"] = max(along) - min(along)
+    return {key: float(f"{value:.4g}") for key, value in open_keys.items()}
+
+
+def _resolve(control: Control, design: Design, resolved: Mapping[str, float]) -> Control:
+    """Return a control with its value in `resolved`, if there is one; it then may follow from other keys."""
+    value, body = resolved.get(control.key), design.body
+    if control.key == "legs.length_mm" and (reach := max(limb.length for limb in design.limbs)) > control.value + 0.05:
+        return control._replace(name=f"length (up to {reach:.3g} mm, where the body is higher)")
+    if value is None:
+        return control
+    sized = body.text is not None or body.scale_mm is not None
+    follows = sized if control.key == "body.length_mm" else design.has_automatic_legs
+    slider = None if follows else _slider_range(control.low, control.high, value)
+    return control._replace(value=value, slider=slider, follows=follows)
 
 
 def to_dict(document: Document) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.app import document as documents
-from walkergen.app import sentences
+from walkergen.app import form, sentences
 from walkergen.app.document import Document
 from walkergen.commands.check import make as checking
 from walkergen.commands.predict import make as predicting
@@ -52,6 +52,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
         "part": member.name,
         "tilt_deg": design.tilt_deg,
         "tilt_key": documents.tilt_key(design),
+        "resolved": form.resolved_values(design),
         "legs": len(design.limbs),
         "kind": design.kind,
         "size_mm": list(design.size),

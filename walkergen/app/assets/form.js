@@ -64,7 +64,7 @@ function slider(control, number) {
 }
 
 function numberOf(control) {
-  const input = make('input', { type: 'number', step: 'any', value: control.value ?? '' });
+  const input = make('input', { type: 'number', step: 'any', value: control.value ?? '', readOnly: control.follows });
   if (control.optional) input.placeholder = 'none';
   input.addEventListener('input', () => {
     if (input.value === '') set(control.key, undefined);
@@ -83,7 +83,10 @@ function choiceOf(control) {
   select.value = control.value === null ? '' : String(control.value);
   select.addEventListener('change', () => {
     const value = control.kind === 'yes' ? select.value === 'true' : select.value;
-    set(control.key, select.value === '' ? undefined : value, 'shape');
+    // legs that a user places begin where they were placed automatically
+    const shown = Object.fromEntries(['legs.contact_spacing_mm', 'legs.width_mm'].map((key) => [key, byId(`key-${key}`)?.valueAsNumber]));
+    if (control.key === 'legs.placement' && value === 'given') setAll({ ...shown, [control.key]: value });
+    else set(control.key, select.value === '' ? undefined : value, 'shape');
   });
   return select;
 }
@@ -114,9 +117,10 @@ function row(control) {
   const label = make('label', { htmlFor: id, textContent: control.name });
   const holder = make('div', { className: 'row' }, label);
   holder.dataset.key = control.key;
+  holder.classList.toggle('follows', control.follows);
   const near = control.low !== null && control.high !== null && control.high < FAR;
   const limits = near ? `${control.low} to ${control.high} ${control.unit}` : '';
-  const help = [control.help, limits].filter(Boolean).join(' ');
+  const help = [control.follows ? 'Set automatically.' : '', control.help, limits].filter(Boolean).join(' ');
   const hint = make('small', { className: 'help', id: `${id}-help`, textContent: help });
   const why = make('p', { className: 'refusal', id: `${id}-why`, hidden: true });
   why.setAttribute('role', 'alert');

@@ -29,6 +29,7 @@ const refresh = lastOnly(async () => {
   showSpeed(answer.facts);
   compare(answer.facts);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
+  for (const [key, value] of Object.entries(answer.facts.resolved)) if (!state.isSet(key)) showValue(key, value);
   await painted(); // the speed is seen before a slow machine has drawn the part
   showPart(answer);
 });
