@@ -6,6 +6,7 @@ import {
   BufferAttribute,
   BufferGeometry,
   DirectionalLight,
+  DoubleSide,
   EdgesGeometry,
   Fog,
   Line,
@@ -29,6 +30,9 @@ import { unpack } from './run.js';
 
 const FIELD_OF_VIEW = 30; // degrees
 const EDGE_ANGLE = 25; // degrees between faces from which their edge is drawn
+const EDGED_AT_ONCE = 2_000; // triangles up to which edges are drawn in every frame; those of more, at rest
+const REST_MS = 250; // without another part, after which the view is at rest
+const MOVING_RATIO = 0.6; // pixels in a row while parts follow each other, over those at rest
 const MOST_EDGED = 30_000; // triangles up to which edges are drawn: to find those of 100 000 takes a second
 const FILLED = 0.94; // share of the frame that the part takes
 const GROWN = 1.15; // change of size from which the view is fitted anew
@@ -36,6 +40,9 @@ const KEY_STEP = Math.PI / 24;
 const LIGHT_SIZE = 0.035; // radius of a corner's light at its brightest, over the part's size
 const POINT_SIZE = 0.5; // radius of a marked point over that of a light
 const TRACED = 200; // places of a run that its trace goes through
+const ARROW = [-0.5, 0, -0.03, 0.25, 0, -0.03, 0.25, 0, 0.03, -0.5, 0, 0.03, 0.2, 0, -0.1, 0.5, 0, 0, 0.2, 0, 0.1];
+const ARROW_LENGTH = 0.4; // over the part's
+const ARROW_GAP = 0.35; // from the part's side to its middle, over its length
 const LABEL = 20; // height of a length's words, pixels
 
 // Directions from the part to the camera.
@@ -72,7 +79,7 @@ function geometryOf(positions, marked) {
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
  * triangles' corners, nine numbers a triangle. Returns { show, replace, look, run, measure, point,
- * scaled, paint, colour, repainted, spacing }.
+ * scaled, paint, picture, colour, repainted, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
@@ -101,6 +108,13 @@ export function create(canvas, parts) {
   for (const own of [material, fault, edges.material, ruler.material]) own.fog = false;
   scene.add(part.add(edges, ruler), trace);
 
+  // Arrow on the plate that shows where the part will run, one long, along x
+  const arrow = new Mesh(new BufferGeometry(), new MeshBasicMaterial({ side: DoubleSide, fog: false }));
+  arrow.geometry.setAttribute('position', new BufferAttribute(new Float32Array(ARROW), 3));
+  arrow.geometry.setIndex([0, 1, 2, 0, 2, 3, 4, 5, 6]);
+  arrow.visible = false;
+  scene.add(arrow);
+
   // Lights at the corners of the feet, and a point, seen through the part.
   const seenThrough = (color, opacity) => {
     const glow = new MeshBasicMaterial({ color, opacity });
@@ -123,6 +137,10 @@ export function create(canvas, parts) {
   let labels = []; // of lengths: element and place in the part
   let scaleBar = null; // element that is as wide as a round length, which stands in it
   let waiting = 0; // for the next frame
+  let resting = 0; // timer that ends once no other part has come
+  let heads = false; // once an arrow has been shown, for which the frame then has room
+  let moving = false; // while one part follows another
+  let ratio = 1; // of pixels
 
   // Fit plate, light and camera to boxes of this size; what stood in the view goes on being seen.
   function fit(whole) {
@@ -181,6 +199,9 @@ export function create(canvas, parts) {
 
   function render() {
     waiting = 0;
+    if (!part.geometry.hasAttribute('position')) return; // what lies behind the canvas is seen until then
+    const wanted = window.devicePixelRatio * (moving ? MOVING_RATIO : 1);
+    if (wanted !== ratio) renderer.setPixelRatio((ratio = wanted));
     const distance = camera.position.distanceTo(controls.target);
     [scene.fog.near, scene.fog.far] = [distance, distance + PLATE * size.x * 0.75];
     renderer.render(scene, camera);
@@ -194,9 +215,15 @@ export function create(canvas, parts) {
     scene.fog.color.setStyle(background);
     plate.lines.material.color.setStyle(lines);
     for (const own of [edges.material, centreMark.material]) own.color.setStyle(edge);
-    for (const own of [ruler.material, trace.material]) own.color.setStyle(lengths);
+    for (const own of [ruler.material, trace.material, arrow.material]) own.color.setStyle(lengths);
     fault.color.setStyle(faulty);
     render(); // at once: paper waits for no frame
+  }
+
+  /** Address of a picture of the view, as data. */
+  function picture() {
+    render();
+    return canvas.toDataURL('image/webp');
   }
 
   /** Show the part in a CSS colour. */
@@ -233,7 +260,6 @@ export function create(canvas, parts) {
   function resize() {
     const { clientWidth: width, clientHeight: height } = canvas;
     if (!width || !height) return;
-    renderer.setPixelRatio(window.devicePixelRatio);
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
@@ -247,10 +273,11 @@ export function create(canvas, parts) {
     const up = towards.clone().cross(right);
     const high = FILLED * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
     let distance = 0;
-    for (let k = 0; k < 8; k += 1) {
-      const corner = new Vector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)
-        .multiply(size)
-        .multiplyScalar(0.5);
+    const half = size.clone().multiplyScalar(0.5);
+    const corners = Array.from({ length: 8 }, (_, k) => new Vector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).multiply(half));
+    const beside = half.z + (ARROW_GAP + 0.1) * ARROW_LENGTH * size.x;
+    if (heads) corners.push(...[-1, 1].map((end) => new Vector3(end * 0.5 * ARROW_LENGTH * size.x, -half.y, beside)));
+    for (const corner of corners) {
       const room = Math.max(
         Math.abs(corner.dot(right)) / (high * camera.aspect),
         Math.abs(corner.dot(up)) / high,
@@ -275,11 +302,10 @@ export function create(canvas, parts) {
   function put(geometry, css) {
     part.geometry.dispose();
     part.geometry = geometry;
-    edges.visible = geometry.getAttribute('position').count <= 3 * MOST_EDGED;
-    if (edges.visible) {
-      edges.geometry.dispose();
-      edges.geometry = new EdgesGeometry(geometry, EDGE_ANGLE);
-    }
+    const triangles = geometry.getAttribute('position').count / 3;
+    edges.visible = triangles <= EDGED_AT_ONCE;
+    if (edges.visible) drawEdges();
+    rest();
     material.color.setStyle(css);
     part.position.set(0, -geometry.boundingBox.min.y, 0);
     part.quaternion.identity();
@@ -288,6 +314,24 @@ export function create(canvas, parts) {
     for (const light of lights) light.visible = false;
     follow(0, 0);
     draw();
+  }
+
+  function drawEdges() {
+    edges.geometry.dispose();
+    edges.geometry = new EdgesGeometry(part.geometry, EDGE_ANGLE);
+    edges.visible = true;
+  }
+
+  // Fewer pixels and no edges of large parts until no other part has come for a while
+  function rest() {
+    moving = resting !== 0;
+    clearTimeout(resting);
+    resting = setTimeout(() => {
+      [resting, moving] = [0, false];
+      const triangles = part.geometry.getAttribute('position').count / 3;
+      if (!edges.visible && triangles <= MOST_EDGED) drawEdges();
+      draw();
+    }, REST_MS);
   }
 
   /** Put part `index` on the plate, in a CSS colour. */
@@ -345,6 +389,7 @@ export function create(canvas, parts) {
     trace.geometry.dispose();
     trace.geometry = new BufferGeometry().setFromPoints(path);
     trace.visible = true;
+    arrow.visible = false;
     const showAt = (time, slow, larger = 1) => {
       const pose = poseAt(time);
       const height = plateAt(time);
@@ -362,17 +407,35 @@ export function create(canvas, parts) {
     return centre.clone().applyQuaternion(turned).add(new Vector3(...pose.slice(0, 3))).setY(0.02 * size.y);
   }
 
-  /** Draw lengths on the part, each { from, to, text }; their words stand in `layer`. */
-  function measure(lengths, layer) {
+  /**
+   * Draw lengths on the part, each { from, to, text }; their words stand in `layer`. `way`: 1 or -1 for
+   * a part that will run along x or against it, which an arrow on the plate shows with `heading`; else 0.
+   */
+  function measure(lengths, layer, way = 0, heading = '') {
     ruler.geometry.dispose();
     ruler.geometry = new BufferGeometry().setFromPoints(
       lengths.flatMap(({ from, to }) => [new Vector3(...from), new Vector3(...to)]),
     );
-    labels = lengths.map(({ from, to, text }) => {
+    const labelled = (text, place) => {
       const label = Object.assign(document.createElement('span'), { className: 'dimension' });
       label.textContent = text;
-      return { label, place: new Vector3(...from).add(new Vector3(...to)).multiplyScalar(0.5) };
-    });
+      return { label, place };
+    };
+    labels = lengths.map(({ from, to, text }) =>
+      labelled(text, new Vector3(...from).add(new Vector3(...to)).multiplyScalar(0.5)),
+    );
+    arrow.visible = way !== 0;
+    if (arrow.visible) {
+      const long = ARROW_LENGTH * size.x;
+      arrow.scale.set(way * long, 1, long);
+      arrow.position.set(centre.x, 0.002 * size.y, centre.z + size.z / 2 + ARROW_GAP * long);
+      const tip = new Vector3(way * 0.75 * long, 0, 0).add(arrow.position);
+      if (!heads) {
+        heads = true;
+        lookFrom(camera.position.clone().sub(controls.target));
+      }
+      labels.push(labelled(heading, part.worldToLocal(tip)));
+    }
     layer.replaceChildren(...labels.map(({ label }) => label));
     draw();
   }
@@ -412,7 +475,7 @@ export function create(canvas, parts) {
   camera.position.add(new Vector3().fromArray(VIEWS.angle));
   resize();
   return {
-    show, replace, look, run, measure, point, scaled, paint, colour, repainted,
+    show, replace, look, run, measure, point, scaled, paint, picture, colour, repainted,
     spacing: plate.spacing(),
   };
 }

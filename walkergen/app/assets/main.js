@@ -6,7 +6,7 @@ import { startDish } from './dish.js';
 import { askSpans, make, rebuild, refuse, showValue, takeFile } from './form.js';
 import { runShort, startJobs } from './jobs.js';
 import { showCurve, showOutlook, showShares, showSpeed, startChart } from './outlook.js';
-import { markLegs, showPart, startPart } from './part.js';
+import { markLegs, showPart, showStill, startPart } from './part.js';
 import * as state from './state.js';
 
 const SETTLED_MS = 150; // without a change after which what is slower is asked for
@@ -30,13 +30,8 @@ const refresh = lastOnly(async () => {
   compare(answer.facts);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
   for (const [key, value] of Object.entries(answer.facts.resolved)) if (!state.isSet(key)) showValue(key, value);
-  await painted(); // the speed is seen before a slow machine has drawn the part
   showPart(answer);
 });
-
-// What was written is on the screen; at once in a page that is not seen, which is never painted.
-const painted = () =>
-  document.hidden || new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 
 // A motor that has just come to a shaken plate: such walkers run on a table.
 const carriesAnew = ({ motor, shaken, name }) =>
@@ -201,6 +196,7 @@ function listenForFiles() {
 }
 
 async function start() {
+  if (state.remembered()) showStill(state.remembered().walker);
   const answer = await ask('start', {});
   ({ about, fresh, titles, table } = answer);
   addTemplates(answer.walkers);
@@ -219,7 +215,9 @@ async function start() {
   byId('measure-next').addEventListener('toggle', showMeasure);
   stopJobs = startJobs();
   state.listen(changed);
-  state.begin(state.remembered() ?? answer.document);
+  const begun = state.remembered() ?? answer.document;
+  if (!state.remembered()) showStill(begun.walker);
+  state.begin(begun);
 }
 
 start();

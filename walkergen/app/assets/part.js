@@ -17,7 +17,7 @@ function lying(positions, onSide) {
 
 /** Viewer in a canvas; null where the browser gives no WebGL. */
 export function viewerOf(canvas, positions) {
-  const viewer = walkergenViewer.create(canvas, [positions]);
+  const viewer = globalThis.walkergenViewer?.create(canvas, [positions]);
   if (!viewer) return null;
   const paint = () =>
     viewer.paint(colourOf('page'), colourOf('plate'), colourOf('edge'), colourOf('fault'), colourOf('ink'));
@@ -36,7 +36,8 @@ function draw() {
   const printed = byId('printed').checked;
   const placed = printed ? lying(positions, facts.prints === 'on its side') : positions;
   viewer.replace(placed, colourOf(`${facts.kind}-part`), legsAtFault ? legs : null);
-  viewer.measure(byId('lengths').checked && !printed ? facts.dimensions : [], byId('layer'));
+  const way = printed ? 0 : { forward: 1, backward: -1 }[facts.sentence.kind] ?? 0;
+  viewer.measure(byId('lengths').checked && !printed ? facts.dimensions : [], byId('layer'), way, 'runs this way');
   viewer.point(byId('balance').checked && !printed ? facts.centre : null);
   const loads = facts.loads.map((each) => `${each.percent.toFixed(1)} % on the feet at ${each.along_mm} mm`);
   const words = byId('balance').checked ? [`Weight at rest: ${loads.join(', ') || 'shared by all feet'}.`] : [];
@@ -50,6 +51,7 @@ export function showPart(walker) {
     viewer = viewerOf(byId('canvas'), walker.positions);
     viewer?.scaled(byId('scale'));
     byId('no-webgl').hidden = Boolean(viewer);
+    byId('still').hidden = !viewer; // it lies behind the view, and is another walker's soon
   }
   shown = walker;
   stopPlaying();
@@ -121,7 +123,16 @@ export function playRun(packed) {
   play();
 }
 
+const STILL = 'walkergen-still'; // picture of this tab's walker before a reload
+
+/** Show a still picture until the view is drawn: of this tab's walker before a reload, or of a template. */
+export function showStill(template) {
+  const kept = sessionStorage.getItem(STILL);
+  if (kept || template !== 'koumakis2016') byId('still').src = kept ?? `picture/${template}.svg`;
+}
+
 export function startPart() {
+  addEventListener('pagehide', () => viewer && sessionStorage.setItem(STILL, viewer.picture()));
   for (const id of ['printed', 'lengths', 'balance']) byId(id).addEventListener('change', draw);
   for (const name of ['angle', 'front', 'end', 'above', 'below']) {
     const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
