@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib.util
+import io
 import itertools
 import json
 import shlex
@@ -14,6 +15,7 @@ import pytest
 import trimesh
 from browser_page import Page, chromium, needs_browser, walkergen
 from nightly_cases import mostly_nightly
+from PIL import Image
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -561,3 +563,68 @@ def test_a_page_in_the_dark_prints_its_view_in_light_colours(page):
         assert len(set(printed)) > 10  # the part is on it
     finally:
         page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+WATCH = """
+window.troubles = [];
+addEventListener('error', ({ message }) => troubles.push(message));
+addEventListener('unhandledrejection', ({ reason }) => troubles.push(String(reason)));
+const own = WebGL2RenderingContext.prototype;
+const { clear, drawArrays } = own;
+own.clear = function (...given) {
+  this.hasPart = false;
+  queueMicrotask(() => this.hasPart || troubles.push('a frame without a part'));
+  clear.apply(this, given);
+};
+own.drawArrays = function (mode, ...rest) {
+  this.hasPart ||= mode === this.TRIANGLES;
+  drawArrays.call(this, mode, ...rest);
+};
+"""
+"""Collects script errors, and frames of the 3D view in which no part is drawn."""
+
+CLICKS = """
+let [seed, count, skip, done] = arguments;
+const random = () => ((seed = (seed * 48271) % 2147483647) - 1) / 2147483646;
+const one = (list) => list[Math.floor(random() * list.length)];
+const steps = {
+  range: (each) => each.min - 0 + random() * (each.max - each.min),
+  number: () => (60 * random()).toPrecision(3), text: () => one(['LEA', '', '[1, 2]', 'x']),
+};
+const click = () => {
+  const each = one([...document.querySelectorAll('button, summary, select, input')].filter((each) =>
+    each.checkVisibility() && !each.disabled && !each.matches(skip)));
+  if (each.tagName === 'SELECT') each.value = one([...each.options]).value;
+  else if (steps[each.type]) each.value = steps[each.type](each);
+  else each.click();
+  for (const name of ['input', 'change']) each.dispatchEvent(new Event(name, { bubbles: true }));
+  if (--count) setTimeout(click, 100);
+  else setTimeout(() => done(troubles), 1000);
+};
+click();
+"""
+"""Clicks what is seen at random, and writes random values."""
+
+
+@pytest.mark.parametrize("seconds", mostly_nightly([15, 600], 15))
+def test_random_clicks_cause_no_error_and_no_empty_picture(page, seconds):
+    skip = "#choose-file, #start-shape, #file"  # dialogues of the browser's own
+    skip += ", #crowd, #find, #measure-effects, #take button, #take-more button" if seconds < 60 else ""
+    watched = page.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WATCH})
+    try:
+        for seed in range(1, 2 + seconds // 60):
+            page.open()
+            page.browser.set_script_timeout(600)
+            assert page.browser.execute_async_script(CLICKS, seed, 10 * min(seconds, 60), skip) == []
+    finally:
+        page.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", watched)
+
+
+def test_the_first_picture_holds_a_walker(page):
+    for walker in ("koumakis2016", "maker-large"):
+        page.template(walker)
+        page.browser.get(page.address)
+        for _ in range(8):  # it is blue, and no lines of the plate are
+            image = np.asarray(Image.open(io.BytesIO(page.find("#stage .frame").screenshot_as_png)), dtype=float)
+            assert np.mean(image[..., 2] - image[..., 0] > 30.0) > 0.05
+        page.settle()

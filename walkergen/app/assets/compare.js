@@ -13,11 +13,13 @@ const flat = (document) => ({
 });
 const words = (value) => (value === undefined ? 'as it was' : typeof value === 'object' ? JSON.stringify(value) : value);
 
+const speedWords = (speed) => (speed === null ? 'speed not known yet' : `${speed.toFixed(1)} mm/s`);
+
 function differences(one, other) {
   const [a, b] = [flat(one), flat(other)];
   return [...new Set([...Object.keys(a), ...Object.keys(b)])]
     .filter((key) => JSON.stringify(a[key]) !== JSON.stringify(b[key]))
-    .map((key) => `${nameOf(key)}: ${words(a[key])} here, ${words(b[key])} there`);
+    .map((key) => `${nameOf(key)}: ${words(a[key])} here, ${words(b[key])} in the other`);
 }
 
 /** Say anew how the design that is shown differs from the one that is held. */
@@ -26,10 +28,11 @@ export function compare(facts) {
   for (const id of ['swap', 'release']) byId(id).disabled = !held;
   if (!held) return;
   const { row } = held.walker.facts;
-  const change = facts.row.speed_mm_s - row.speed_mm_s;
+  const [here, there] = [facts.row.speed_mm_s, row.speed_mm_s];
+  const change = here === null || there === null ? '' : `, ${here < there ? '' : '+'}${(here - there).toFixed(1)}`;
   byId('other-speed').textContent =
-    `Held: ${row.speed_mm_s.toFixed(1)} mm/s, ${held.walker.facts.mass_g.toPrecision(4)} g. ` +
-    `Here: ${facts.row.speed_mm_s.toFixed(1)} mm/s, ${change < 0 ? '' : '+'}${change.toFixed(1)}.`;
+    `The other: ${speedWords(there)}, ${held.walker.facts.mass_g.toPrecision(4)} g. ` +
+    `This one: ${speedWords(here)}${change}.`;
   const lines = differences(current(), held.document);
   byId('differences').replaceChildren(
     ...(lines.length ? lines : ['the same design']).map((line) => make('li', { textContent: line })),
@@ -45,6 +48,7 @@ export function startCompare(shownWalker) {
     compare(shownWalker().facts);
   };
   byId('hold').addEventListener('click', () => {
+    if (!shownWalker()) return;
     held = { document: structuredClone(current()), walker: shownWalker() };
     show();
   });

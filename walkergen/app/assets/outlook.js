@@ -131,7 +131,7 @@ function drawChart() {
 const clamp = (tilt) => Math.min(Math.max(tilt, scale.low), scale.high);
 
 function setTilt(tilt) {
-  if (walker.tilt_key) set(walker.tilt_key, Number(clamp(tilt).toFixed(1)));
+  if (walker.tilt_key && scale) set(walker.tilt_key, Number(clamp(tilt).toFixed(1)));
 }
 
 function listen() {

@@ -101,7 +101,7 @@ function stopPlaying() {
 }
 
 function play() {
-  if (frame !== null) return pause();
+  if (!run || frame !== null) return pause();
   if (Number(byId('time').value) >= run.last) standAt(0);
   byId('play').textContent = 'pause';
   frame = requestAnimationFrame(step);
@@ -143,6 +143,7 @@ export function startPart() {
   byId('play').addEventListener('click', play);
   for (const id of ['pace', 'exaggerate']) byId(id).addEventListener('change', () => run && standAt(Number(byId('time').value)));
   byId('time').addEventListener('input', () => {
+    if (!run) return;
     pause();
     standAt(Number(byId('time').value));
   });
