@@ -137,7 +137,7 @@ class Page:
     def control(self, key):
         """Control of a key; its table is opened."""
         element = self.find(f'[id="key-{key}"]')
-        self.browser.execute_script("arguments[0].closest('details').open = true", element)
+        self.browser.execute_script(UNFOLD, element)
         self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
         return element
 

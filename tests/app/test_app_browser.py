@@ -191,6 +191,18 @@ def test_a_button_of_a_refusal_does_what_helps(page):
     made_again(page, *page.take("stl"))
 
 
+def test_the_form_has_four_groups_and_a_search(page):
+    folds = [each.text for each in page.browser.find_elements(By.CSS_SELECTOR, "#form > details > summary")]
+    assert folds == ["Shape", "Legs", "Plate and shaker", "Print", "All settings"]
+    page.click('[data-title="All settings"] > summary')
+    page.find("#search").send_keys("wall friction")
+    shown = [each for each in page.browser.find_elements(By.CSS_SELECTOR, "#form .row") if each.is_displayed()]
+    assert [each.get_attribute("data-key") for each in shown] == ["scene.arena.wall_friction"]
+    page.find("#search").send_keys(Keys.CONTROL, "a", Keys.BACKSPACE)
+    assert page.find('[data-title="Shape"] .row').is_displayed()
+    assert not page.find('[data-key="scene.arena.wall_friction"]').is_displayed()
+
+
 def test_what_cannot_be_built_is_said_beside_its_control(page):
     page.type("legs.tilt_deg", 8)
     before = page.speed()
@@ -314,6 +326,9 @@ def test_a_phone_shows_all_in_one_column(page):
     page.open()
     wide = page.browser.execute_script("return document.documentElement.scrollWidth")
     assert wide <= 360
+    shown = ("#stage", "#outlook-heading", "#chart", "#findings", "#form", "#crowd")
+    tops = [page.find(selector).rect["y"] for selector in shown]
+    assert tops == sorted(tops)
     page.type("legs.tilt_deg", 15)
     made_again(page, *page.take("stl"))
     page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -4,7 +4,7 @@ import { ask, byId, lastOnly, settled, upload } from './ask.js';
 import { change, current, endDrag, isSet, set, setAll, without } from './state.js';
 
 const NARROW = matchMedia('(max-width: 48rem)');
-const opens = (title) => title === 'tilt' || (!NARROW.matches && ['walker: body', 'walker: legs', 'walker: legs 1'].includes(title));
+const opens = (title) => !NARROW.matches && ['Shape', 'Legs', 'walker: legs 1'].includes(title);
 const SPANS_MS = 500; // without a change after which ends of sliders are asked for
 const FAR = 1e5; // limits from which on nobody needs to be told of them
 let legs = []; // legs of the walker as a list
@@ -189,23 +189,98 @@ function bodyTools(shapes) {
   return make('div', { className: 'bar' }, select);
 }
 
-function groupOf(group, shapes, opened) {
-  const details = make('details', { open: opened });
+// Groups of the form by the keys of their controls. All other keys are under ALL.
+const GROUPS = [
+  ['Shape', /^body\.(?!repair|scale_mm|legs_below_mm)/],
+  ['Legs', /^(legs\b|leg_tilt)(?!.*_sd_mm$)/],
+  ['Plate and shaker', /^scene\.(drive\.(kind|frequency_hz|amplitude_um|peak_speed_mm_s|gamma)|contact\.(restitution|friction)|plate\.slope_deg)$/],
+  ['Print', /^printer\.(brim_width_mm|nozzle_mm|line_width_mm|layer_height_mm)$/],
+];
+const ALL = 'All settings';
+
+function foldOf(title, name, isOpen) {
+  const details = make('details', { open: isOpen(title) }, make('summary', { textContent: name }));
   details.addEventListener('toggle', () => details.open && askSpans());
-  details.dataset.title = group.title;
-  details.append(make('summary', { textContent: group.title.replace('walker: ', '') }));
-  if (group.absent) {
-    const [key, start] = group.absent;
+  details.dataset.title = title;
+  return details;
+}
+
+// What a table of the server adds to one of GROUPS: its controls there, with the buttons of its shape or its legs.
+function partOf(table, title, controls, shapes, isOpen) {
+  const leg = table.title.match(/^walker: legs (\d+)$/);
+  const part = leg ? foldOf(table.title, `leg ${leg[1]}`, isOpen) : make('div');
+  part.dataset.title = table.title;
+  if (title === 'Shape') part.append(bodyTools(shapes));
+  if (/^walker: legs/.test(table.title)) part.append(legTools(table.title));
+  part.append(...controls.map(row));
+  return part;
+}
+
+// What is left of a table, under ALL.
+function restOf(table, controls, isOpen) {
+  const details = foldOf(`all: ${table.title}`, table.title.replace('walker: ', ''), isOpen);
+  if (table.absent) {
+    const [key, start] = table.absent;
     details.append(toolOf('add', () => set(key, start, 'shape')));
-  } else if (group.optional && isSet(group.optional)) {
+  } else if (table.optional && isSet(table.optional)) {
     details.append(toolOf('leave out', () => {
-      change({ ...current(), values: without(current().values, group.optional) }, 'shape');
+      change({ ...current(), values: without(current().values, table.optional) }, 'shape');
     }));
   }
-  if (group.title === 'walker: body') details.append(bodyTools(shapes));
-  if (/^walker: legs( \d+)?$/.test(group.title)) details.append(legTools(group.title));
-  details.append(...group.controls.map(row));
+  details.append(...controls.map(row));
   return details;
+}
+
+function groupsOf(tables, shapes, isOpen) {
+  const tilt = make('div');
+  const folds = new Map([...GROUPS.map(([title]) => title), ALL].map((title) => [title, foldOf(title, title, isOpen)]));
+  folds.get(ALL).append(search);
+  for (const table of tables) {
+    if (table.title === 'tilt') {
+      tilt.dataset.title = table.title;
+      tilt.append(...table.controls.map(row));
+      continue;
+    }
+    let rest = table.controls;
+    for (const [title, keys] of GROUPS) {
+      const controls = rest.filter(({ key }) => keys.test(key));
+      rest = rest.filter(({ key }) => !keys.test(key));
+      if (controls.length) folds.get(title).append(partOf(table, title, controls, shapes, isOpen));
+    }
+    if (rest.length || table.absent) folds.get(ALL).append(restOf(table, rest, isOpen));
+  }
+  return [tilt, ...folds.values()];
+}
+
+// Box that shows only the controls with its words in their names or keys.
+const search = make('input', { type: 'search', id: 'search', placeholder: 'search all settings' });
+search.setAttribute('aria-label', 'search all settings');
+let openBefore = null; // folds that were open before the search
+search.addEventListener('input', () => {
+  const folds = [...byId('form').querySelectorAll('details')];
+  if (search.value && !openBefore) openBefore = new Map(folds.map((fold) => [fold.dataset.title, fold.open]));
+  findRows();
+  if (search.value) return;
+  for (const fold of folds) fold.open = openBefore?.get(fold.dataset.title) ?? fold.open;
+  openBefore = null;
+});
+
+function findRows() {
+  const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+  for (const each of byId('form').querySelectorAll('.row')) {
+    const text = `${each.dataset.key} ${each.firstChild.textContent} ${each.closest('[data-title]').dataset.title}`.toLowerCase();
+    each.hidden = !words.every((word) => text.includes(word));
+  }
+  for (const fold of byId('form').querySelectorAll('details')) {
+    const found = Boolean(fold.querySelector('.row:not([hidden])'));
+    fold.hidden = words.length > 0 && !found && fold.dataset.title !== ALL;
+    if (words.length && found) fold.open = true;
+  }
+}
+
+/** Open all folds around an element of the form. */
+export function reveal(element) {
+  for (let fold = element.closest('details'); fold; fold = fold.parentElement.closest('details')) fold.open = true;
 }
 
 /** Ask for the form and build it anew, with the same tables open and the same control in focus. */
@@ -215,13 +290,11 @@ export const rebuild = lastOnly(async () => {
   const form = byId('form');
   form.ariaBusy = String(drawn !== current());
   if (answer.refused) return; // the last good form stays
-  const open = new Map([...form.children].map((each) => [each.dataset.title, each.open]));
+  const open = new Map([...form.querySelectorAll('details')].map((each) => [each.dataset.title, each.open]));
   const focused = document.activeElement?.closest('#form') ? document.activeElement.id : '';
   legs = answer.legs;
-  form.replaceChildren(
-    ...answer.groups.map((group) =>
-      groupOf(group, answer.shapes, open.get(group.title) ?? opens(group.title))),
-  );
+  form.replaceChildren(...groupsOf(answer.groups, answer.shapes, (title) => open.get(title) ?? opens(title)));
+  if (search.value) findRows();
   refuse(refused); // what stood beside the former controls
   if (focused) byId(focused)?.focus();
   askSpans();
@@ -229,7 +302,7 @@ export const rebuild = lastOnly(async () => {
 
 // Sliders that are seen, and not held at the moment, run over what can be built.
 const askSpans = settled(async () => {
-  const rows = [...document.querySelectorAll('#form details[open] .row')].filter((row) => row.span && !row.matches(':active'));
+  const rows = [...document.querySelectorAll('#form .row')].filter((row) => row.span && row.checkVisibility() && !row.matches(':active'));
   if (!rows.length) return;
   const asked = current();
   const answer = await ask('spans', { document: asked, keys: rows.map((row) => row.dataset.key) });
@@ -278,7 +351,7 @@ export function refuse(mistakes) {
     }
     why.replaceChildren(...said);
     why.hidden = false;
-    holder.closest('details').open = true;
+    reveal(holder);
   }
   byId('stray').replaceChildren(...stray);
   for (const holder of document.querySelectorAll('.row')) {

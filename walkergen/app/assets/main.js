@@ -3,7 +3,7 @@
 import { ask, askWalker, byId, lastOnly, settled } from './ask.js';
 import { compare, startCompare } from './compare.js';
 import { startDish } from './dish.js';
-import { askSpans, make, rebuild, refuse, showValue, takeFile } from './form.js';
+import { askSpans, make, rebuild, refuse, reveal, showValue, takeFile } from './form.js';
 import { runShort, startJobs } from './jobs.js';
 import { showCurve, showOutlook, showShares, showSpeed, startChart } from './outlook.js';
 import { markLegs, showPart, showStill, startPart } from './part.js';
@@ -178,7 +178,7 @@ function startWelcome(isNew) {
 // Wait until the form has a control.
 async function formed(id) {
   while (!byId(id)) await new Promise((done) => setTimeout(done, 50));
-  byId(id).closest('details').open = true;
+  reveal(byId(id));
 }
 
 function listenForFiles() {

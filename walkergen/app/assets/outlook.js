@@ -2,7 +2,7 @@
 // of it. The marker on the curve is a slider of the tilt.
 
 import { byId } from './ask.js';
-import { make, ticks } from './form.js';
+import { make, reveal, ticks } from './form.js';
 import { endDrag, set } from './state.js';
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [420, 260, 46, 12, 12, 38];
@@ -227,7 +227,7 @@ function entering(key, name) {
   button.setAttribute('aria-label', `${name}: enter what you measured`);
   button.addEventListener('click', () => {
     const control = byId(`key-${key}`);
-    control.closest('details').open = true;
+    reveal(control);
     control.scrollIntoView({ block: 'center' });
     control.focus();
   });
