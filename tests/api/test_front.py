@@ -285,7 +285,7 @@ def test_a_sweep_is_the_commands(run, tmp_path):
     assert [row["legs.tilt_deg"] for row in found.table] == [5, 5, 10, 10]
     assert speeds[3] == wg.predict(PAPER, LANE, tilt=10).speed.value
     assert found.plot()._repr_png_().startswith(b"\x89PNG")
-    assert repr(found).startswith("koumakis2016, lane-90hz, predicted\ntable: 4 rows\n")
+    assert repr(found).startswith("koumakis2016 (lane-90hz, predicted)\ntable: 4 rows\n")
     again = wg.sweep(PAPER, LANE, values, out="found")
     assert again.table["speed_mm_s"].tolist() == speeds
     assert (tmp_path / "found" / "table.csv").exists()

@@ -24,6 +24,7 @@ from walkergen.app import sentences
 
 pytestmark = [pytest.mark.slow, pytest.mark.programs, needs_browser]
 
+DATA = Path(__file__).parents[1] / "data"
 SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10"><path d="M0 0H20V10H0Z"/></svg>'  # noqa: E501
 
 
@@ -194,7 +195,7 @@ def test_a_button_of_a_refusal_does_what_helps(page):
 def test_the_form_has_four_groups_and_a_search(page):
     folds = [each.text for each in page.browser.find_elements(By.CSS_SELECTOR, "#form > details > summary")]
     assert folds == ["Shape", "Legs", "Plate and shaker", "Print", "All settings"]
-    page.click('[data-title="All settings"] > summary')
+    page.click("#search")
     page.find("#search").send_keys("wall friction")
     shown = [each for each in page.browser.find_elements(By.CSS_SELECTOR, "#form .row") if each.is_displayed()]
     assert [each.get_attribute("data-key") for each in shown] == ["scene.arena.wall_friction"]
@@ -225,7 +226,7 @@ def test_a_run_is_started_stopped_and_started(page):
     assert page.text("#progress") == "stopped"
     page.type("scene.run.seconds", 1)
     page.click("#run")
-    page.until(lambda: page.text("#run") == "again")
+    page.until(lambda: page.text("#run") == "Simulate again")
     words = ("simulate", "koumakis2016", "--seconds", 1, "--runs", 8, "--tilt", 10, "--json")
     speed = json.loads(walkergen(page.folder, *words))["speed_mm_s"]
     assert f"As designed it ran {speed:.0f}"[:-1] in page.text("#ran")
@@ -237,7 +238,7 @@ def test_a_run_plays_as_fast_as_it_is_and_slower_on_wish(page):
     page.type("scene.run.seconds", 1)
     page.click("#run")
     page.until(lambda: page.find("#player").is_displayed())
-    page.until(lambda: page.text("#play") == "again")
+    page.until(lambda: page.text("#play") == "Play again")
     assert page.text("#time-shown") == "3.00 s"
     page.choose("#pace", "100 times slower")
     page.click("#exaggerate")
@@ -386,11 +387,11 @@ def test_two_designs_stand_side_by_side(page):
     page.type("legs.tilt_deg", 20)
     second = page.speed()
     assert "tilt: 20 here" in page.text("#differences")
-    assert f"Held: {first:.1f} mm/s" in page.text("#other-speed")
+    assert f"The other: {first:.1f} mm/s" in page.text("#other-speed")
     page.click("#swap")
     page.settle()
     assert page.speed() == first
-    assert f"Held: {second:.1f} mm/s" in page.text("#other-speed")
+    assert f"The other: {second:.1f} mm/s" in page.text("#other-speed")
     page.click("#release")
     assert not page.find("#other").is_displayed()
     made_again(page, *page.take("stl"))
@@ -580,57 +581,19 @@ def test_a_page_in_the_dark_prints_its_view_in_light_colours(page):
         page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
-WATCH = """
-window.troubles = [];
-addEventListener('error', ({ message }) => troubles.push(message));
-addEventListener('unhandledrejection', ({ reason }) => troubles.push(String(reason)));
-const own = WebGL2RenderingContext.prototype;
-const { clear, drawArrays } = own;
-own.clear = function (...given) {
-  this.hasPart = false;
-  queueMicrotask(() => this.hasPart || troubles.push('a frame without a part'));
-  clear.apply(this, given);
-};
-own.drawArrays = function (mode, ...rest) {
-  this.hasPart ||= mode === this.TRIANGLES;
-  drawArrays.call(this, mode, ...rest);
-};
-"""
-"""Collects script errors, and frames of the 3D view in which no part is drawn."""
-
-CLICKS = """
-let [seed, count, skip, done] = arguments;
-const random = () => ((seed = (seed * 48271) % 2147483647) - 1) / 2147483646;
-const one = (list) => list[Math.floor(random() * list.length)];
-const steps = {
-  range: (each) => each.min - 0 + random() * (each.max - each.min),
-  number: () => (60 * random()).toPrecision(3), text: () => one(['LEA', '', '[1, 2]', 'x']),
-};
-const click = () => {
-  const each = one([...document.querySelectorAll('button, summary, select, input')].filter((each) =>
-    each.checkVisibility() && !each.disabled && !each.matches(skip)));
-  if (each.tagName === 'SELECT') each.value = one([...each.options]).value;
-  else if (steps[each.type]) each.value = steps[each.type](each);
-  else each.click();
-  for (const name of ['input', 'change']) each.dispatchEvent(new Event(name, { bubbles: true }));
-  if (--count) setTimeout(click, 100);
-  else setTimeout(() => done(troubles), 1000);
-};
-click();
-"""
-"""Clicks what is seen at random, and writes random values."""
-
-
 @pytest.mark.parametrize("seconds", mostly_nightly([15, 600], 15))
 def test_random_clicks_cause_no_error_and_no_empty_picture(page, seconds):
     skip = "#choose-file, #start-shape, #file"  # dialogues of the browser's own
     skip += ", #crowd, #find, #measure-effects, #take button, #take-more button" if seconds < 60 else ""
-    watched = page.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WATCH})
+    clicks = (DATA / "app_clicks.js").read_text()
+    watched = page.browser.execute_cdp_cmd(
+        "Page.addScriptToEvaluateOnNewDocument", {"source": (DATA / "app_watch.js").read_text()}
+    )
     try:
         for seed in range(1, 2 + seconds // 60):
             page.open()
             page.browser.set_script_timeout(600)
-            assert page.browser.execute_async_script(CLICKS, seed, 10 * min(seconds, 60), skip) == []
+            assert page.browser.execute_async_script(clicks, seed, 10 * min(seconds, 60), skip) == []
     finally:
         page.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", watched)
 

@@ -34,7 +34,7 @@ def row(middle, low, high, by="surrogate", nominal=None, falls=0.0):
         (row(4.0, -2.0, 9.0, nominal=(5.0, 4.0, 6.0)), "forward", "about 4.0 mm/s to the right; half of the prints"),
         (row(9.5, 5.0, 15.0), "forward", "about 9.5 mm/s"),
         (row(9.96, 5.0, 15.0), "forward", "about 10 mm/s"),
-        (row(None, None, None), "unknown", "Simulate it to see how fast"),
+        (row(None, None, None), "unknown", "Its speed is not known yet"),
     ],
 )
 def test_a_speed_is_a_sentence(asked, kind, words):

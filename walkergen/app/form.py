@@ -29,10 +29,8 @@ MAX_FULL_RANGE, SLIDER_FACTOR, MAX_SLIDER_TILT_DEG = 400.0, 3.0, 45.0
 """Widest range of a slider for numbers of either sign that is shown completely. Wider ranges, and numbers of one sign,
 end at a round number of SLIDER_FACTOR times the value. Largest tilt of the tilt's slider."""
 
-TEXT_TEMPLATE = "name"
-"""Template of a walker whose body is letters, on legs below them."""
-
 Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
+
 
 
 class Control(NamedTuple):
@@ -291,7 +289,7 @@ def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
     }
     legs = {"legs.width_mm": round(design.limbs[0].width, 1)} if design.has_legs_table else {}
     found = {name: {"values": {"body": _round_lengths(body), **legs}} for name, body in bodies.items()}
-    return found | {"letters": {"walker": TEXT_TEMPLATE, "values": {}}}
+    return found | {"letters": {"walker": "name", "values": {}}}
 
 
 def _round_lengths(value: Any) -> Any:

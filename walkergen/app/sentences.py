@@ -1,8 +1,10 @@
 """Texts of a page for users of a mouse: speeds in sentences, without keys of files and flags of a shell."""
 
+import json
 import re
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from walkergen.core.files import config
@@ -18,25 +20,7 @@ from walkergen.files import key_names
 QUARTILE_RATIO = 0.6745
 """Distance of the quartiles of a normal distribution from its median, over the half-width of its 68 % interval."""
 
-TITLES: Mapping[str, str] = {
-    "koumakis2016": "the paper's walker",
-    "name": "a name",
-    "maker-large": "double size",
-    "bristle": "a brush of legs",
-    "bristlebot": "a brush with a motor",
-    "coinbot": "with a coin motor",
-    "polar-disc": "a disc",
-    "rotator": "a disc that turns",
-    "spinner": "a disc that spins",
-    "two-materials": "feet of rubber",
-    "unequal-legs": "unlike legs",
-    "lane-90hz": "the paper's plate, a lane",
-    "lane-90hz-fitted": "the paper's lane, as its theory was fitted",
-    "lane-90hz-walls": "the paper's plate, a lane between walls",
-    "plane-90hz": "the paper's plate, open",
-    "plane-noisy": "an open plate that is noisy, as in a laboratory",
-    "table-motor": "a table; the walker has a motor",
-}
+TITLES: Mapping[str, str] = json.loads(Path(__file__).with_name("assets").joinpath("titles.json").read_bytes())
 """Plain names of walkers and scenes, by the names of their files."""
 
 MENU_NAMES: Mapping[str, str] = {
@@ -69,7 +53,7 @@ def format_speed(row: Prediction) -> Speed:
     if ends is None and row.falls > 0.0:
         return Speed(f"falls over in {100.0 * row.falls:.0f} % of its runs.", "falls", True)
     if ends is None:
-        return Speed("Simulate it to see how fast it runs.", "unknown", False)
+        return Speed("Its speed is not known yet.", "unknown", False)
     if prediction.is_standing(row):
         bounds = "" if row.speed_by == "statics" else f", with bounds {_format_range(*ends)}"
         return Speed(f"stands{bounds}.", "stands", True)
@@ -126,8 +110,8 @@ def format_name(key: str) -> str:
 
 
 def format_setting(key: str, value: float) -> str:
-    """Return the name of a dotted key in words, its value and its unit."""
-    return f"{format_name(key)}: {value:g} {key_names.UNITS_BY_SUFFIX.get(_unit_ending(key), '')}".strip()
+    """Return an instruction to set a dotted key: its name in words, its value and its unit."""
+    return f"Set the {format_name(key)} to {value:g} {key_names.UNITS_BY_SUFFIX.get(_unit_ending(key), '')}".strip()
 
 
 def format_title(name: str) -> str:

@@ -132,8 +132,7 @@ async def _read_request(server: Server, request: Request) -> tuple[Document, dic
 async def _send_start_data(server: Server, request: Request) -> Response:
     """Return what a page loads once: the names of all templates, and the document to begin with."""
     names = {kind: templates.names(kind) for kind in templates.KINDS}
-    listed = [row for row in templates.list_templates().facts["rows"] if row["kind"] == "walkers"]
-    about = {row["name"]: row["description"] for row in listed}
+    about = {row["name"]: row["description"] for row in templates.list_templates().facts["rows"]}
     kept = await asyncio.to_thread(_load_saved, server)
     return messages.json_response(
         {

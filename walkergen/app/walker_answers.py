@@ -184,7 +184,7 @@ def _format_finding(finding: Finding) -> dict[str, Any]:
     setting = finding.setting
     text = sentences.to_plain_text(finding.text if setting is None else finding.seen_text)
     does = None if setting is None else setting._asdict() | {"words": sentences.format_setting(*setting)}
-    return {"level": finding.level, "text": text, "does": does}
+    return {"level": finding.level, "part": finding.part, "text": text, "does": does}
 
 
 def _dimensions(design: Design) -> Iterator[dict[str, Any]]:

@@ -127,9 +127,9 @@ function row(control) {
   input.setAttribute('aria-describedby', `${id}-help ${id}-why`);
   const unit = make('span', { className: 'unit', textContent: control.unit });
   const back = make('button', {
-    type: 'button', className: 'back', textContent: '↺', title: 'as the file has it',
+    type: 'button', className: 'back', textContent: 'reset', title: 'back to the value of the template',
   });
-  back.setAttribute('aria-label', `${control.name}: as the file has it`);
+  back.setAttribute('aria-label', `reset ${control.name}`);
   back.hidden = !isSet(control.key);
   back.addEventListener('click', () => set(control.key, undefined, 'shape'));
   holder.append(input, unit, back);
@@ -154,7 +154,7 @@ function legTools(title) {
   const listed = () => structuredClone(legs);
   const tools = make('div', { className: 'bar' });
   if (!number && legs.length) {
-    tools.append(toolOf('one by one: more legs, or unlike ones', () => {
+    tools.append(toolOf('Edit each leg by itself', () => {
       const tilt = Number(byId('key-legs.tilt_deg')?.value ?? 10);
       const values = { ...without(current().values, 'legs'), legs: listed(), leg_tilt_deg: tilt };
       change({ ...current(), values }, 'shape');
@@ -162,7 +162,7 @@ function legTools(title) {
   } else if (number) {
     const become = (list) =>
       change({ ...current(), values: { ...without(current().values, 'legs'), legs: list } }, 'shape');
-    tools.append(toolOf('another like this', () => {
+    tools.append(toolOf('Add a leg like this', () => {
       const list = listed();
       const twin = { ...list[number - 1] };
       twin.along_mm = rounded((twin.along_mm ?? 0) + 2);
@@ -170,14 +170,14 @@ function legTools(title) {
       become(list);
     }));
     if (legs.length > 1)
-      tools.append(toolOf('remove', () => become(listed().filter((_, k) => k !== number - 1))));
+      tools.append(toolOf('Remove this leg', () => become(listed().filter((_, k) => k !== number - 1))));
   }
   return tools;
 }
 
 function bodyTools(shapes) {
   const select = make('select', { id: 'shape' });
-  select.append(new Option('another shape…', ''));
+  select.append(new Option('Choose another shape', ''));
   for (const name of Object.keys(shapes)) select.append(new Option(name, name));
   select.addEventListener('change', () => {
     if (!select.value) return;
@@ -221,9 +221,9 @@ function restOf(table, controls, isOpen) {
   const details = foldOf(`all: ${table.title}`, table.title.replace('walker: ', ''), isOpen);
   if (table.absent) {
     const [key, start] = table.absent;
-    details.append(toolOf('add', () => set(key, start, 'shape')));
+    details.append(toolOf(`Add a ${table.title.replace(/^\w+: /, '')}`, () => set(key, start, 'shape')));
   } else if (table.optional && isSet(table.optional)) {
-    details.append(toolOf('leave out', () => {
+    details.append(toolOf(`Remove the ${table.title.replace(/^\w+: /, '')}`, () => {
       change({ ...current(), values: without(current().values, table.optional) }, 'shape');
     }));
   }

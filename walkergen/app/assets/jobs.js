@@ -4,7 +4,7 @@ import { ask, askFile, byId, events } from './ask.js';
 import { playCrowd } from './dish.js';
 import { showEffects } from './effects.js';
 import { make, nameOf } from './form.js';
-import { showWaiting, tableRow, withError } from './outlook.js';
+import { showUnknown, showWaiting, tableRow, withError } from './outlook.js';
 import { playRun } from './part.js';
 import { change, current, without } from './state.js';
 
@@ -43,7 +43,7 @@ function barOf(bar, line) {
 const inWords = (seconds) => (seconds < 100 ? `${Math.max(1, Math.round(seconds))} s` : `${Math.round(seconds / 60)} min`);
 
 /** Do a job whose events the server sends; `work` gets those with something in them. Starting again stops the first. */
-function jobOf({ start, stop, bar, tell, name, message, work, again = 'again' }) {
+function jobOf({ start, stop, bar, tell, name, message, work, again }) {
   let aborter = null;
   const shown = barOf(byId(bar), byId(tell));
   const first = byId(start).textContent;
@@ -116,7 +116,7 @@ function showNearest({ nearest, bad }, wished) {
   const rows = nearest.map((row) => {
     const keys = Object.keys(row).filter((key) => key.includes('tilt_deg') || key.includes('.'));
     const words = keys.map((key) => `${nameOf(key)} ${row[key]}`).join(', ');
-    const button = make('button', { type: 'button', textContent: 'take this one' });
+    const button = make('button', { type: 'button', textContent: 'Use this design' });
     button.addEventListener('click', () => {
       const chosen = Object.fromEntries(keys.map((key) => [key, row[key]]));
       const values = { ...without(current().values, ...keys), ...chosen };
@@ -163,20 +163,20 @@ async function take(what) {
 export function startJobs() {
   const message = () => ({ document: current() });
   const stopRun = jobOf({
-    start: 'run', stop: 'stop', bar: 'run-bar', tell: 'progress', name: 'run', message,
+    start: 'run', stop: 'stop', bar: 'run-bar', tell: 'progress', name: 'run', message, again: 'Simulate again',
     work: (event) => (event.played ? playRun(event.played) : showRun(event)),
   });
   const stopCrowd = jobOf({
-    start: 'crowd', stop: 'stop-crowd', bar: 'crowd-bar', tell: 'crowding', name: 'crowd', message,
+    start: 'crowd', stop: 'stop-crowd', bar: 'crowd-bar', tell: 'crowding', name: 'crowd', message, again: 'Simulate ten again',
     work: async () => playCrowd(await ask('crowded', message())),
   });
   const stopEffects = jobOf({
-    start: 'measure-effects', stop: 'stop-effects', bar: 'effects-bar', tell: 'effects-told', name: 'effects', message,
+    start: 'measure-effects', stop: 'stop-effects', bar: 'effects-bar', tell: 'effects-told', name: 'effects', message, again: 'Measure the effects again',
     work: async ({ output }) => showEffects(JSON.parse(output), await ask('effects_drawn', message())),
   });
   const wished = byId('wished');
   jobOf({
-    start: 'find', stop: 'stop-search', bar: 'search-bar', tell: 'searching', name: 'nearest', again: 'find',
+    start: 'find', stop: 'stop-search', bar: 'search-bar', tell: 'searching', name: 'nearest', again: 'Find designs',
     message: () => ({ document: current(), speed: wished.valueAsNumber }),
     work: ({ output }) => showNearest(JSON.parse(output), wished.valueAsNumber),
   });
@@ -195,9 +195,9 @@ export function startJobs() {
 export async function runShort(signal) {
   for await (const { progress, refused, predicted } of events('run', { document: current(), short: true }, signal)) {
     if (predicted) return true; // a server that ends says nothing
-    if (progress) showWaiting(`Being simulated: ${Math.floor((100 * progress[1]) / progress[2])} %.`);
+    if (progress?.[2]) showWaiting(progress[1] / progress[2]);
     if (!refused) continue;
-    showWaiting(refused.join('\n'));
+    showUnknown(refused.join('\n'));
     break;
   }
   return false;

@@ -5,8 +5,8 @@ import { compare, startCompare } from './compare.js';
 import { startDish } from './dish.js';
 import { askSpans, make, rebuild, refuse, reveal, showValue, takeFile } from './form.js';
 import { runShort, startJobs } from './jobs.js';
-import { showCurve, showOutlook, showShares, showSpeed, startChart } from './outlook.js';
-import { markLegs, showPart, showStill, startPart } from './part.js';
+import { hangs, showCurve, showOutlook, showShares, showSpeed, showWaiting, startChart } from './outlook.js';
+import { markFaults, showPart, showStill, startPart } from './part.js';
 import * as state from './state.js';
 
 const SETTLED_MS = 150; // without a change after which what is slower is asked for
@@ -27,6 +27,7 @@ const refresh = lastOnly(async () => {
   if (carriesAnew(answer.facts)) return state.change({ ...document, scene: table }, 'shape', 'scene');
   walker = answer;
   showSpeed(answer.facts);
+  if (!answer.facts.sentence.sure && simulated !== document) showWaiting(null);
   compare(answer.facts);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
   for (const [key, value] of Object.entries(answer.facts.resolved)) if (!state.isSet(key)) showValue(key, value);
@@ -43,7 +44,7 @@ const look = lastOnly(async () => {
   byId('findings').ariaBusy = String(document !== state.current());
   if (answer.refused) return;
   showOutlook(answer);
-  markLegs(answer.legs_at_fault);
+  markFaults(answer.legs_at_fault, answer.findings.some(hangs));
 });
 
 // The curve does not depend on the walker's own tilt; while other sliders move it has few points.
@@ -68,10 +69,16 @@ const showMeasure = lastOnly(async () => {
 });
 
 let short = null; // run that tells what nothing else does
+let simulated = null; // document that it was done for
 const shortSoon = settled(() => {
   if (!walker || walker.facts.sentence.sure) return;
   short = new AbortController();
-  runShort(short.signal).then((told) => told && refresh(), () => {});
+  const document = state.current();
+  runShort(short.signal).then((told) => {
+    if (!told) return;
+    simulated = document;
+    refresh();
+  }, () => {});
 }, SHORT_MS);
 
 const lookSoon = settled(() => Promise.all([look(), drawCurve(true)]), SETTLED_MS);
@@ -135,7 +142,8 @@ function begin(name) {
 // Choice of the scene's or the printer's file; its keys begin afresh.
 function addChoice(kind, names) {
   const select = make('select', { id: `choose-${kind}` });
-  select.append(...names.map((name) => new Option(titled(name), name)));
+  const nameOf = kind === 'printer' ? (name) => about[name] ?? name : titled;
+  select.append(...names.map((name) => new Option(nameOf(name), name)));
   select.addEventListener('change', () => {
     const values = state.without(state.current().values, `${kind}.`);
     const run = kind === 'scene' ? fresh.values : {};

@@ -165,11 +165,21 @@ const three = (value) => Number(Math.abs(value) < 1e-9 ? 0 : value.toPrecision(4
 const inUnit = (value, unit) => (value === null ? 'none' : `${three(value)} ${unit}`);
 const tableRow = (name, value) => make('tr', {}, make('th', { scope: 'row', textContent: name }), make('td', { textContent: value }));
 
+// Why prints run at another speed than the drawing, by so many mm/s.
+function reasonRow(change) {
+  const way = change < 0 ? 'less' : 'more';
+  const words = `A print runs ${three(Math.abs(change))} mm/s ${way} than the drawing, because its legs, feet and friction always differ a little from the drawn ones.`;
+  return make('tr', {}, make('td', { className: 'reason', colSpan: 2, textContent: words }));
+}
+
 const range = (low, high) => (low === null || high === null ? 'unknown' : `${low.toFixed(0)} to ${high.toFixed(0)} mm/s`);
+
+const SIMULATED = 'Being simulated';
 
 function say({ text, sure }) {
   byId('speed').textContent = text;
   byId('speed').classList.toggle('unsure', !sure);
+  byId('short-bar').hidden = true;
 }
 
 /** Show the speed and the masses of a walker. */
@@ -178,6 +188,7 @@ export function showSpeed(facts) {
   const { row } = facts;
   const legs = row.m_g === null ? [] : [tableRow('m, of one leg', inUnit(row.m_g, 'g')), tableRow('j', inUnit(row.j_g_mm2, 'g mm²'))];
   const drawn = row.nominal_mm_s === undefined ? [] : [tableRow('speed as drawn', inUnit(row.nominal_mm_s, 'mm/s'))];
+  if (drawn.length && row.speed_mm_s !== null) drawn.push(reasonRow(row.speed_mm_s - row.nominal_mm_s));
   say(facts.sentence);
   byId('masses').tBodies[0].replaceChildren(
     tableRow('speed, the median of prints', inUnit(row.speed_mm_s, 'mm/s')), ...drawn,
@@ -192,9 +203,18 @@ export function showSpeed(facts) {
   drawChart();
 }
 
-/** Say what is to be waited for, of a walker whose speed only runs tell. */
-export function showWaiting(text) {
+/** Say what keeps the speed of a walker from being known. */
+export function showUnknown(text) {
   say({ text, sure: false });
+}
+
+/** Say that the walker is being simulated; `share` of that is done, which never shrinks, or null at its start. */
+export function showWaiting(share) {
+  if (byId('speed').textContent !== SIMULATED) showUnknown(SIMULATED);
+  const bar = byId('short-bar');
+  bar.hidden = false;
+  if (share === null) bar.removeAttribute('value');
+  else bar.value = Math.max(bar.value, share);
 }
 
 /** Show the curve, or that there is none. */
@@ -205,25 +225,70 @@ export function showCurve(drawn) {
 
 // A button that does as a finding says.
 function doing({ key, value, words }) {
-  const button = make('button', { type: 'button', textContent: `make it so: ${words}` });
+  const button = make('button', { type: 'button', textContent: words });
   button.addEventListener('click', () => set(key, value, 'shape'));
   return button;
 }
 
+// What a finding means for whoever prints, by the words of the check; $1 is the name of what it found.
+const MEANINGS = [
+  [/hangs over air/, 'Print this with supports under the body. The orange faces hang over air.'],
+  [/(.+?) prints upright, over air/, 'Print this with supports, or tilt $1 less.'],
+  [/(.+?) prints as a staircase/, 'The layers of $1 step aside too far. Print lower layers.'],
+  [/bend across their layers/, 'The legs print upright, which makes them weaker. The speed is less certain.'],
+  [/holds on to the bed/, 'Little of it touches the bed. Print it with a brim.'],
+  [/(.+?) prints high and thin/, 'Print $1 with a brim, because it is tall and thin.'],
+  [/layers are thick/, 'The layers are too high for this nozzle.'],
+  [/lines are not wider/, 'The printed lines must be wider than the layers are high.'],
+  [/the window between/, 'The window between leg and brace may close.'],
+  [/legs may fuse/, 'Two legs are so close that they may become one.'],
+  [/may close up/, 'The marks are finer than a printed line and may close up.'],
+  [/^(.+?) is not a whole number of layers/, 'Layers cannot print $1 exactly.'],
+  [/^(.+?) is less than half a layer/, 'The printer will leave this out: $1 is too small.'],
+  [/exceeds the printer/, 'This is too large for the printer.'],
+  [/not one closed body/, 'This is not one closed solid, and slicers cannot print it.'],
+  [/not taken as it is/, 'The file was repaired. Look at the picture before you print.'],
+  [/may not go into the pocket/, 'The parts may not fit into their pockets.'],
+  [/channel of the wires/, 'The channel of the wires may close.'],
+  [/wall (between|around) the pocket/, 'A wall of a pocket is too thin to print.'],
+  [/floor over air/, 'Print this with supports under the floor of the pocket.'],
+  [/^(.+?) (is thinner than|gets no plastic)/, 'The printer will leave out $1, which is too thin.'],
+  [/^(.+?) \(.*is more than one line/, 'The printer cannot make $1 exactly this thick.'],
+  [/^plastic in (.+?) \(/, 'The printer puts another amount of plastic into $1 than drawn.'],
+];
+
+const MARKS = { error: 'This will fail. ', warning: '', advice: 'Good to know: ' };
+
+function meaningOf({ text, level }) {
+  for (const [words, meaning] of MEANINGS) {
+    const found = text.match(words);
+    if (found) return MARKS[level] + meaning.replace('$1', found[1]);
+  }
+  return MARKS[level] + text;
+}
+
+function findingOf(finding, isNew) {
+  const numbers = finding.text.replaceAll(/(\d) mm2/g, '$1 mm²').replaceAll(/(\d) deg/g, '$1°');
+  const details = make('details', {}, make('summary', { textContent: 'Details' }), make('p', { className: 'hint', textContent: numbers }));
+  const tools = finding.does && isNew ? [doing(finding.does)] : [];
+  return make('li', { className: finding.level }, make('p', { textContent: meaningOf(finding) }), ...tools, details);
+}
+
+/** Whether a finding says that faces of the body hang over air. */
+export const hangs = ({ part, text }) => part === 'body' && text.includes('hangs over air');
+
 /** Show what the printer makes of the walker, and words. */
 export function showOutlook(outlook) {
-  byId('findings').replaceChildren(
-    ...(outlook.findings.length ? outlook.findings : [{ level: 'good', text: 'It prints as drawn.' }])
-      .map(({ level, text, does }) =>
-        make('li', { className: level }, level === 'good' ? text : `${level}: ${text} `, ...(does ? [doing(does)] : []))),
-  );
+  const buttons = outlook.findings.map(({ does }) => does?.words);
+  const items = outlook.findings.map((each, k) => findingOf(each, buttons.indexOf(each.does?.words) === k));
+  byId('findings').replaceChildren(...(items.length ? items : [make('li', { className: 'good' }, 'It prints as drawn.')]));
   byId('shell').textContent = outlook.shell;
   byId('python').textContent = outlook.python;
 }
 
 // A button that leads to the control in which what was measured is written.
 function entering(key, name) {
-  const button = make('button', { type: 'button', textContent: 'enter what you measured' });
+  const button = make('button', { type: 'button', textContent: 'Enter what you measured' });
   button.setAttribute('aria-label', `${name}: enter what you measured`);
   button.addEventListener('click', () => {
     const control = byId(`key-${key}`);

@@ -28,14 +28,33 @@ export function viewerOf(canvas, positions) {
 
 let viewer = null;
 let shown = null; // the last good walker: facts, positions, legs
-let legsAtFault = false;
+let [legsAtFault, overhangs] = [false, false];
+
+const STEEP = Math.SQRT1_2 + 1e-6; // upward part of a face's normal from which it prints over air, upside down
+
+// For each triangle whether it is at fault; null where none is.
+function faultsOf(positions, legs) {
+  if (!overhangs) return legsAtFault ? legs : null;
+  const marked = legsAtFault ? legs.slice() : new Uint8Array(legs.length);
+  const top = positions.reduce((most, y, k) => (k % 3 === 1 ? Math.max(most, y) : most), -Infinity);
+  for (let k = 0; k < legs.length; k += 1) {
+    const [ax, ay, az, bx, by, bz, cx, cy, cz] = positions.subarray(9 * k, 9 * k + 9);
+    const normal = [
+      (by - ay) * (cz - az) - (bz - az) * (cy - ay),
+      (bz - az) * (cx - ax) - (bx - ax) * (cz - az),
+      (bx - ax) * (cy - ay) - (by - ay) * (cx - ax),
+    ];
+    if (!legs[k] && Math.min(ay, by, cy) < top - 1e-4 && normal[1] > STEEP * Math.hypot(...normal)) marked[k] = 1;
+  }
+  return marked;
+}
 
 function draw() {
   if (!viewer || !shown) return;
   const { facts, positions, legs } = shown;
   const printed = byId('printed').checked;
   const placed = printed ? lying(positions, facts.prints === 'on its side') : positions;
-  viewer.replace(placed, colourOf(`${facts.kind}-part`), legsAtFault ? legs : null);
+  viewer.replace(placed, colourOf(`${facts.kind}-part`), faultsOf(positions, legs));
   const way = printed ? 0 : { forward: 1, backward: -1 }[facts.sentence.kind] ?? 0;
   viewer.measure(byId('lengths').checked && !printed ? facts.dimensions : [], byId('layer'), way, 'runs this way');
   viewer.point(byId('balance').checked && !printed ? facts.centre : null);
@@ -58,10 +77,10 @@ export function showPart(walker) {
   draw();
 }
 
-/** Draw the legs in the colour of what is at fault, or not. */
-export function markLegs(atFault) {
-  if (atFault === legsAtFault) return;
-  legsAtFault = atFault;
+/** Draw the legs, and faces of the body that print over air, in the colour of what is at fault, or not. */
+export function markFaults(legs, hanging) {
+  if (legs === legsAtFault && hanging === overhangs) return;
+  [legsAtFault, overhangs] = [legs, hanging];
   draw();
 }
 
@@ -84,11 +103,11 @@ function step(now) {
   before = now;
   const time = Number(byId('time').value) + passed;
   standAt(Math.min(time, run.last));
-  if (time >= run.last) pause('again');
+  if (time >= run.last) pause('Play again');
   else frame = requestAnimationFrame(step);
 }
 
-function pause(word = 'play') {
+function pause(word = 'Play') {
   cancelAnimationFrame(frame);
   [frame, before] = [null, null];
   byId('play').textContent = word;
@@ -103,7 +122,7 @@ function stopPlaying() {
 function play() {
   if (!run || frame !== null) return pause();
   if (Number(byId('time').value) >= run.last) standAt(0);
-  byId('play').textContent = 'pause';
+  byId('play').textContent = 'Pause';
   frame = requestAnimationFrame(step);
 }
 
@@ -134,8 +153,9 @@ export function showStill(template) {
 export function startPart() {
   addEventListener('pagehide', () => viewer && sessionStorage.setItem(STILL, viewer.picture()));
   for (const id of ['printed', 'lengths', 'balance']) byId(id).addEventListener('change', draw);
-  for (const name of ['angle', 'front', 'end', 'above', 'below']) {
-    const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
+  const views = { angle: 'From an angle', front: 'From the side', end: 'From the front', above: 'From above', below: 'From below' };
+  for (const [name, words] of Object.entries(views)) {
+    const button = Object.assign(document.createElement('button'), { type: 'button', textContent: words });
     button.addEventListener('click', () => viewer?.look(name));
     byId('views').append(button);
   }
