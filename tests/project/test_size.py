@@ -23,19 +23,19 @@ LIMITS = {
     "walkergen/cli": 870,
     "walkergen/commands": 8180,
     "walkergen/core": 17740,
-    "walkergen/files": 1520,
+    "walkergen/files": 1530,
     "walkergen/guests/crowd": 7250,
     "walkergen/guests/lab": 4910,
     "walkergen/guests/movie": 1500,
-    "walkergen/guests/sweep": 2240,
+    "walkergen/guests/sweep": 2290,
     "walkergen/guests/track": 3620,
-    "walkergen/points": 3080,
+    "walkergen/points": 3120,
     "walkergen/readers": 5470,
     "walkergen/sheets": 540,
     "benchmarks": 2760,
     "docs": 610,
     "evidence": 7480,
-    "tests": 38800,
+    "tests": 38900,
 }
 
 

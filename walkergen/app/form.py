@@ -32,7 +32,6 @@ end at a round number of SLIDER_FACTOR times the value. Largest tilt of the tilt
 Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
 
 
-
 class Control(NamedTuple):
     """Control of one key, as the page shows it."""
 

@@ -24,6 +24,7 @@ from walkergen.core.files.progress import silent as silent
 from walkergen.core.files.safe_text import shorten_line as shorten_line
 from walkergen.core.files.tables import csv_text as csv_text
 from walkergen.core.measure import Runs as Runs
+from walkergen.core.measure import core_count as core_count
 from walkergen.core.numerics import Array as Array
 from walkergen.core.numerics import Complex as Complex
 from walkergen.core.numerics import Mask as Mask

@@ -153,7 +153,18 @@ class UntilError(NamedTuple):
 
 
 def core_count() -> int:
-    """Count the cores that this process may use."""
+    """Count the cores that this process may use.
+
+    Returns
+    -------
+    int
+        Number of cores, at least 1.
+
+    Examples
+    --------
+    >>> core_count() >= 1
+    True
+    """
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

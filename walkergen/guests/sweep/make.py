@@ -8,10 +8,9 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from walkergen.core import Expect, Expected, Folder, InputError, Progress, versions
+from walkergen.core import Expect, Expected, Folder, InputError, Progress, core_count, versions
 from walkergen.core.files import output
 from walkergen.core.files.formatting import is_number
-from walkergen.core.measure import core_count
 from walkergen.guests.sweep import cost, evaluation, report, sweep_setup, table
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.report import Points, SweepReport
