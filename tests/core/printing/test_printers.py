@@ -57,3 +57,17 @@ def test_a_path_of_windows_in_double_quotes_is_explained(tmp_path, path):
     (tmp_path / "mine.toml").write_text(f'[body]\nfile = "{path}"\n')
     with pytest.raises(InputError, match=r"write a path between '\.\.\.'"):
         config.read_toml(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    "name", sorted(set(templates.names("printers")) - {"replicator2x"})
+)  # the paper's, by its manual
+def test_a_shipped_printer_has_a_source_and_a_plausible_size(name):
+    text = templates.resolve_path(name, "printers").read_text(encoding="utf-8")
+    assert "\n# source: https://" in text
+    shipped = templates.load(name, "printers", Printer)
+    assert shipped.name == name
+    sizes = shipped.bed_width_mm, shipped.bed_depth_mm, shipped.height_mm
+    assert all(180.0 <= size <= 350.0 for size in sizes)
+    assert (shipped.nozzle_mm, shipped.layer_height_mm) == (0.4, 0.2)
+    assert 0.4 <= shipped.line_width_mm <= 0.45
