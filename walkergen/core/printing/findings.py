@@ -17,6 +17,10 @@ ROUNDING_MM = 1e-6
 """Largest error, mm, that sums of floats and rounding to micrometres may leave."""
 
 
+SINGULAR = {"bodies": "body", "changes": "change", "layers": "layer", "lines": "line"}
+"""Units that are nouns, for a single one."""
+
+
 class About(StrEnum):
     """Subject of a finding."""
 
@@ -64,8 +68,11 @@ class Finding(NamedTuple):
     @property
     def seen_text(self) -> str:
         """Problem, the size that was found, and its limit."""
-        unit = f" {self.unit}" if self.unit else ""
-        return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}"
+        seen, limit = (
+            f"{value:.4g} {SINGULAR.get(self.unit, self.unit) if value == 1.0 else self.unit}".rstrip()
+            for value in (self.seen, self.limit)
+        )
+        return f"{self.what}: {seen}, limit {limit}"
 
     @property
     def line(self) -> str:

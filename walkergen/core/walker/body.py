@@ -28,6 +28,9 @@ BUILTIN_OUTLINES = ("disc", "ellipse", "polygon")
 FILE_KEYS = ("outline", "mesh", "font")
 """Keys that may name a file."""
 
+DEFAULT_RAILS_MM = 2.0
+"""Width of the bars that join letters. With a base plate, the letters would hang over air as they print."""
+
 SOURCE_KEYS = ("profile_mm", "outline", "text", "mesh")
 """Keys that give a body another shape than a rectangle; one of them at most."""
 
@@ -54,7 +57,8 @@ class Body(Section):
     font: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
     """Font of the text (.ttf, .otf, .ttc) in the folder of the file. None: DejaVu Sans."""
     rails_mm: Length | None = None
-    """Width of two bars that join the letters to one part, along their feet and their tops."""
+    """Width of two bars that join the letters to one part, along their feet and their tops. None: DEFAULT_RAILS_MM
+    for two letters and more, unless `base` is set."""
     mesh: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
     """Mesh of the body, in the folder of the file."""
     scale_mm: Length | None = None
@@ -67,7 +71,7 @@ class Body(Section):
     repair: bool = True
     """Whether faults of a mesh and crossing paths are repaired. The changes are reported."""
     base: bool | None = Field(default=None, exclude_if=lambda value: value is None)
-    """Whether a flat plate lies under all pieces. None: under letters without rails, and under pieces that only it
+    """Whether a flat plate lies under all pieces. None: under one letter without rails, and under pieces that only it
     joins. Without a plate the largest piece of a file is the body."""
     mirror: bool = Field(default=False, exclude_if=not_)
     """Whether the shape is mirrored: its front becomes its back."""
@@ -233,6 +237,8 @@ class Shape(NamedTuple):
     """Parts of the file that were left out or repaired, a few words each."""
     finished: FinishedWalker | None = None
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
+    assumption: str = ""
+    """Size that was assumed because the file states none."""
 
     def solid(self) -> Mesh:
         """Return the closed mesh of the body, in the design's frame. Raises SolidError."""

@@ -117,8 +117,9 @@ class Design(WalkerSpec):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Messages on changes to the body's file and on the positions of automatic legs."""
-        notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
+        """Messages on changes to the body's file, its assumed size and the positions of automatic legs."""
+        remarks = [*self.shape.changes, *filter(None, [self.shape.assumption])]
+        notes = [f"{self.name}: {'; '.join(remarks)}"] if remarks else []
         return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.has_automatic_legs else tuple(notes)
 
     def with_explicit_leg_positions(self) -> "Design":

@@ -12,7 +12,16 @@ from walkergen.core.errors import GeometryError
 from walkergen.core.files import file_reading, formatting
 from walkergen.core.numerics import Array
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker.body import BUILTIN_OUTLINES, Body, FinishedWalker, Shape, Size, lay_down, rectangle_shape
+from walkergen.core.walker.body import (
+    BUILTIN_OUTLINES,
+    DEFAULT_RAILS_MM,
+    Body,
+    FinishedWalker,
+    Shape,
+    Size,
+    lay_down,
+    rectangle_shape,
+)
 from walkergen.readers.drawings import outlines, overlaps, size_check
 from walkergen.readers.drawings.contours import NoUnitError
 from walkergen.readers.drawings.lettering import text_outline
@@ -30,6 +39,8 @@ class Plan(NamedTuple):
     notes: tuple[str, ...]
     pieces: int
     """Number of pieces, apart from each other."""
+    assumption: str = ""
+    """Size that was assumed because the file states none."""
 
 
 def shape_of(body: Body) -> Shape:
@@ -53,7 +64,7 @@ def shape_by_key(keys: str) -> Shape:
     if body.mirror:
         plan = plan._replace(contours=[(ring * (-1.0, 1.0))[::-1] for ring in plan.contours])
     contours, mesh, notes = plan.contours, None, plan.notes
-    has_separate_pieces = plan.pieces > 1 or (body.text is not None and body.rails_mm is None)
+    has_separate_pieces = plan.pieces > 1 or (body.text is not None and _rails_mm(body) is None)
     if body.base or (body.base is None and has_separate_pieces):
         contours, raised = base.add_to_outline(contours, body.thickness_mm)
         if plan.pieces > 1:
@@ -66,7 +77,7 @@ def shape_by_key(keys: str) -> Shape:
         if file_name is None or file_name in BUILTIN_OUTLINES
         else hashlib.sha256(file_reading.read_bytes(Path(file_name))).hexdigest()
     )
-    return Shape(size, None, tuple(contours), mesh, sha256, notes)
+    return Shape(size, None, tuple(contours), mesh, sha256, notes, assumption=plan.assumption)
 
 
 def _plan_size(contours: Sequence[Array], thickness: float) -> Size:
@@ -119,8 +130,17 @@ def _text_plan(body: Body) -> Plan:
     if body.given_length_mm is not None:
         contours = text_outline(body.text, 1.0, connected=False, font=font)
         height = body.given_length_mm / float(np.ptp(np.vstack(contours)[:, 0]))
-    outline = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
+    outline = text_outline(body.text, height, connected=body.base is False, rails=_rails_mm(body), font=font)
     return Plan(outline, (), len(overlaps.pieces(outline)))
+
+
+def _rails_mm(body: Body) -> float | None:
+    """Return the width of the bars that join the letters of a text, mm; None without bars.
+
+    A single letter is too narrow to stand on legs without a base plate.
+    """
+    has_default = body.rails_mm is None and body.base is None and len(body.text or "") > 1
+    return DEFAULT_RAILS_MM if has_default else body.rails_mm
 
 
 def _read_plan(body: Body, path: Path) -> Plan:
@@ -132,13 +152,15 @@ def _read_plan(body: Body, path: Path) -> Plan:
             f"body.outline = {body.outline!r}: must be one of {', '.join(BUILTIN_OUTLINES)}, or a file "
             f"{', '.join(outlines.READERS)}"
         )
+    assumption = ""
     read = partial(outlines.from_file, path, mend=body.repair, connected=not body.repair and body.base is None)
     try:
         outline = read(scale_mm=body.scale_mm, length_mm=body.given_length_mm)
     except NoUnitError:
         outline = read(length_mm=size_check.DEFAULT_LENGTH_MM)
-        note = f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
-        outline = outline._replace(notes=(*outline.notes, note))
+        assumption = (
+            f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
+        )
     if body.given_length_mm is None:
         size = float(np.ptp(np.vstack(outline.polygons), axis=0).max())
         size_check.check_size(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
@@ -151,8 +173,8 @@ def _read_plan(body: Body, path: Path) -> Plan:
         notes += (f"left out {formatting.format_count(len(kept) - 1, 'piece', 'pieces')} other than the largest",)
         kept = kept[:1]
     if len(kept) == len(pieces):
-        return Plan(outline.polygons, notes, len(pieces))
+        return Plan(outline.polygons, notes, len(pieces), assumption)
     contours = overlaps.contours(shapely.union_all(kept))
     points = np.vstack(contours)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    return Plan([ring - middle for ring in contours], notes, len(kept))
+    return Plan([ring - middle for ring in contours], notes, len(kept), assumption)
