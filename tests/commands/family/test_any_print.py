@@ -18,7 +18,7 @@ from walkergen.commands.family import make as families
 from walkergen.commands.family.chart_data import ChartData
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.printing import checks, plates, print_sheet, upside_down_checks, walls
+from walkergen.core.printing import checks, plates, print_sheet, supports, walls
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.shapes.mesh import Mesh
@@ -104,11 +104,11 @@ def test_legs_narrower_than_a_body_in_side_view_print_upright_unless_they_lie_on
 
 
 def test_the_sheet_says_how_each_design_lies():
-    (one,) = print_sheet.orientation_settings([PAPER])
+    (one,) = print_sheet.orientation_settings([PAPER], [False])
     assert (one.name, one.value) == ("orientation", "as in the file: on its side, no supports")
-    both = print_sheet.orientation_settings([PAPER, DISC])
+    both = print_sheet.orientation_settings([PAPER, DISC], [False, False])
     assert [row.name for row in both] == ["orientation of koumakis2016", "orientation of it"]
-    assert "legs up; no supports up to 45 deg" in both[1].value
+    assert both[1].value.endswith("legs up, no supports")
 
 
 @pytest.mark.parametrize(("tilt", "level"), [(45.0, False), (45.1, True), (-60.0, True)])
@@ -148,11 +148,11 @@ def test_overhang_of_a_ball_is_that_of_the_closed_form(tmp_path):
     design = ball(tmp_path)
     cap = 2.0 * math.pi * 64.0 * (1.0 - math.cos(math.pi / 4.0))
     # 5 %: whole triangles of 1.2 mm belong to the cap or not
-    assert upside_down_checks.overhang_area(design, printed(design)) == pytest.approx(cap, rel=0.05)
+    assert supports.overhang_area(design, printed(design)) == pytest.approx(cap, rel=0.05)
     (warning,) = [one for one in told(design) if "over air" in one.what]
     assert "turn the mesh by body.up" in warning.change
     for flat in (DISC, NARROW):
-        assert upside_down_checks.overhang_area(flat, printed(flat)) == 0.0
+        assert supports.overhang_area(flat, printed(flat)) == 0.0
 
 
 def test_the_first_layer_is_a_section_at_half_its_height(tmp_path):
@@ -160,13 +160,13 @@ def test_the_first_layer_is_a_section_at_half_its_height(tmp_path):
     mesh = trimesh.creation.icosphere(subdivisions=4, radius=8.0)
     lying = Mesh(mesh.vertices, np.asarray(mesh.faces, dtype=np.int64))
     # 2 %: the polyhedron lies inside the ball
-    assert checks.section_area(lying, 1.0) == pytest.approx(math.pi * 15.0, rel=0.02)
-    assert checks.section_area(lying, 8.0 + 1e-3) == pytest.approx(
+    assert supports.section_area(lying, 1.0) == pytest.approx(math.pi * 15.0, rel=0.02)
+    assert supports.section_area(lying, 8.0 + 1e-3) == pytest.approx(
         mesh.section([0, 0, 1], [0, 0, 1e-3]).to_2D()[0].area, rel=1e-6
     )
-    assert checks.section_area(lying, 17.0) == 0.0
+    assert supports.section_area(lying, 17.0) == 0.0
     area = shapely.Polygon(profile.side_profile(PROFILE)[0]).area
-    assert checks.section_area(printed(PROFILE), 0.1) == pytest.approx(area, rel=1e-9)
+    assert supports.section_area(printed(PROFILE), 0.1) == pytest.approx(area, rel=1e-9)
 
 
 def test_findings_name_the_leg_where_legs_differ():
@@ -374,6 +374,6 @@ def test_check_tells_the_orientation(tmp_path):
     path.write_text('[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n')
     result = CliRunner().invoke(command_line, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
-    assert json.loads(result.stdout)["orientations"] == [print_sheet.LEGS_UP_TEXT]
+    assert json.loads(result.stdout)["orientations"] == [f"{print_sheet.LEGS_UP_TEXT}, no supports"]
     (place,) = plates.layout_without_plates([DISC], [solids.build(DISC)], [1], MK3S).parts
     assert place.height == pytest.approx(2.0 + 7.5 * math.cos(math.radians(10.0)))

@@ -99,6 +99,8 @@ ORCA_NAMES = {
     "xy_size_compensation": "xy_contour_compensation",
     "raft_layers": "raft_layers",
     "support_material": "enable_support",
+    "support_material_buildplate_only": "support_on_build_plate_only",
+    "support_material_threshold": "support_threshold_angle",
 }
 OTHER_SETTINGS = {
     "gap_fill_enabled",

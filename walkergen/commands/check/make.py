@@ -35,7 +35,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
     """Run the printability checks on arranged copies of the members; writes nothing."""
     built = [solids.build(design) for design in members]
     layout = plates.layout_without_plates(members, built, copies, printer)
-    if all(packing.capacity(part, printer) for part in layout.parts):
+    if all(packing.capacity(part, layout.printer) for part in layout.parts):
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
         layout = plates.add_findings(layout)
@@ -49,7 +49,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for wall in walls.upright_walls(design)
     )
-    attitudes = list(dict.fromkeys(print_sheet.describe_orientation(design) for design in members))
+    attitudes = list(dict.fromkeys(map(print_sheet.describe_orientation, members, layout.supported)))
     return _report(list(unlike_walls), layout, attitudes, sum(copies))
 
 

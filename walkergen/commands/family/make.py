@@ -20,7 +20,7 @@ from walkergen.core.errors import GeometryError
 from walkergen.core.files.output import Folder, versions
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing import export, plates, print_sheet
-from walkergen.core.printing.findings import Finding, check_printable, warning_lines
+from walkergen.core.printing.findings import check_printable, warning_lines
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import networks, prediction
@@ -121,7 +121,7 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
             folder.write("preview.png", _preview_png(inputs.design.name, walkers))
             if (picture := _trace_picture(inputs.design)) is not None:
                 folder.write("taken.png", picture)
-        facts = _facts(request, inputs, layout.findings, time.perf_counter() - started)
+        facts = _facts(request, inputs, layout, time.perf_counter() - started)
         if request.page:
             from walkergen.commands.family import page
 
@@ -236,7 +236,7 @@ def _paper_speed(design: Design, scene: Scene) -> tuple[float, float] | None:
     return None
 
 
-def _facts(request: FamilyRequest, inputs: FamilyInputs, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
+def _facts(request: FamilyRequest, inputs: FamilyInputs, layout: plates.Layout, seconds: float) -> dict[str, Any]:
     """Return facts for the manifest: resolved inputs, software versions, elapsed time."""
     return {
         "design": inputs.design.model_dump(mode="json"),
@@ -249,8 +249,8 @@ def _facts(request: FamilyRequest, inputs: FamilyInputs, findings: Sequence[Find
             for name, weighings in inputs.weighed.items()
         },
         "scene": inputs.scene.model_dump(mode="json"),
-        "printer": inputs.printer.model_dump(mode="json"),
-        "print": print_sheet.manifest_facts(inputs.printer, findings),
+        "printer": layout.printer.model_dump(mode="json"),
+        "print": print_sheet.manifest_facts(layout.printer, layout.findings, any(layout.supported)),
         "mode": request.mode,
         "draws": prediction.DRAW_COUNT,
         "seed": prediction.SEED,

@@ -69,9 +69,10 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
     built = [solids.build(design) for design in members]
     rows = [
-        Capacity(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
+        Capacity(layout.printer.name, part.name, min(packing.capacity(part, layout.printer), max_parts))
         for printer in printers
-        for part in plates.layout_without_plates(members, built, [1] * len(built), printer).parts
+        for layout in [plates.layout_without_plates(members, built, [1] * len(built), printer)]
+        for part in layout.parts
     ]
     columns = (
         report.text_column("printer", "printer"),
@@ -254,7 +255,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
         "copies": [part.copies for part in layout.parts],
         "serial": [part.serial for part in layout.parts if part.serial is not None],
         "printer": layout.printer.model_dump(mode="json"),
-        "print": print_sheet.manifest_facts(layout.printer, layout.findings),
+        "print": print_sheet.manifest_facts(layout.printer, layout.findings, any(layout.supported)),
         "versions": output.versions(),
     }
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from walkergen.core.numerics import Array
-from walkergen.core.printing import pocket_checks, upside_down_checks, walls
+from walkergen.core.printing import pocket_checks, supports, upside_down_checks, walls
 from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Level, Setting, make_finding, with_place
 from walkergen.core.printing.packing import Part, Plate, border_width, spacing
 from walkergen.core.printing.printers import Printer
@@ -30,10 +30,9 @@ MAX_DEVIATION = 0.10
 MAX_LAYER_RATIO = 0.8
 """Largest layer height in nozzles that slicers' makers advise; PrusaSlicer refuses more than 1."""
 
-MIN_CONTACT_MM2, MAX_SLENDERNESS = 50.0, 20.0
-"""Area on the bed below which, and height over thickness above which, a brim is advised. Assumed:
-the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one.
-"""
+MAX_SLENDERNESS = 20.0
+"""Height over thickness above which a brim is advised. Assumed: the paper's walker (8 mm high on legs of 0.4 mm) was
+printed without mention of one."""
 
 
 def check_batch(
@@ -56,7 +55,7 @@ def check_batch(
     ]
 
 
-BRIM_ADVICE = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", 5.0))
+BRIM_ADVICE = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", supports.BRIM_MM))
 """Advice for a small contact area with the bed, and a common brim width."""
 
 
@@ -290,10 +289,10 @@ def _check_repairs(design: Design) -> Iterator[Finding]:
 
 def _check_adhesion(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
     """Yield advice to print a brim, for a small area on the bed and for high, thin walls."""
-    area = section_area(mesh, 0.5 * printer.layer_height_mm)
-    if area < MIN_CONTACT_MM2:
+    area = supports.contact_area(mesh, printer)
+    if area < supports.MIN_CONTACT_MM2:
         what = "little of it holds on to the bed"
-        yield make_finding(About.WALKER, "advice", what, area, MIN_CONTACT_MM2, "mm2", *BRIM_ADVICE)
+        yield make_finding(About.WALKER, "advice", what, area, supports.MIN_CONTACT_MM2, "mm2", *BRIM_ADVICE)
     yield from _check_slenderness(walls.upright_walls(design))
 
 
@@ -304,14 +303,6 @@ def _check_slenderness(upright: Sequence[Wall]) -> Iterator[Finding]:
         if slenderness > MAX_SLENDERNESS * (1.0 + ROUNDING_MM):
             what = f"{walls.with_article(wall.name)} prints high and thin: height over thickness"
             yield make_finding(wall.part, "advice", what, slenderness, MAX_SLENDERNESS, "", *BRIM_ADVICE)
-
-
-def section_area(mesh: Mesh, height: float) -> float:
-    """Return the area of a closed mesh's section at a height above its lowest point, mm^2.
-
-    At half a layer's height it is the first layer.
-    """
-    return float(modeller.to_solid(mesh).slice(mesh.vertices[:, 2].min() + height).area())
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from walkergen.core.files.tables import csv_text
-from walkergen.core.printing import checks, packing, print_sheet, slicer
+from walkergen.core.printing import checks, packing, print_sheet, slicer, supports
 from walkergen.core.printing.findings import Finding
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
@@ -45,6 +45,7 @@ class Layout(NamedTuple):
     """Arrangement of copies of walkers for one printer."""
 
     printer: Printer
+    """Printer, with a brim if a member needs one."""
     members: Sequence[Design]
     built: Sequence[Solids]
     """Solids of the members, in their order."""
@@ -55,6 +56,8 @@ class Layout(NamedTuple):
     plates: Sequence[packing.Plate]
     findings: Sequence[Finding]
     """Findings of the printability checks on parts and plates."""
+    supported: Sequence[bool]
+    """Whether each member prints with supports, in their order. The print settings are those of all plates."""
 
 
 def arrange(
@@ -67,7 +70,7 @@ def arrange(
 ) -> Layout:
     """Arrange copies of each member on plates. `built` has their solids. Raises PlateError when they do not fit."""
     empty = layout_without_plates(members, built, copies, printer)
-    return add_findings(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
+    return add_findings(empty._replace(plates=packing.pack(empty.parts, empty.printer, max_plates, max_parts)))
 
 
 def layout_without_plates(
@@ -79,7 +82,8 @@ def layout_without_plates(
         packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)
         for design, name, mesh, count in zip(members, names.part_names(members), meshes, copies, strict=True)
     ]
-    return Layout(printer, members, built, meshes, parts, [], [])
+    supported = [supports.is_needed(design, mesh) for design, mesh in zip(members, meshes, strict=True)]
+    return Layout(supports.add_brim(printer, meshes, supported), members, built, meshes, parts, [], [], supported)
 
 
 def orient_for_print(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
@@ -134,7 +138,7 @@ def layout_files(
     meshes = layout.meshes
     yield f"{start}.csv", to_csv(list_copy_positions(layout)).encode()
     yield f"{start}.md", _print_sheet(layout, start).encode()
-    yield from slicer.settings_files(layout.printer, layout.members[0].material, start)
+    yield from slicer.settings_files(layout.printer, layout.members[0].material, start, any(layout.supported))
     for number, plate in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None
@@ -152,7 +156,9 @@ def _print_sheet(layout: Layout, stem: str) -> str:
         for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
     form = weighed_masses.form_name(layout.members, "DESIGN")
-    printed = print_sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)
+    printed = print_sheet.Batch(
+        stem, layout.printer, layout.members, layout.plates, layout.parts, form, layout.supported
+    )
     legend = names.legend(layout.members)
     return print_sheet.to_markdown(printed, weighed, layout.findings, legend)
 

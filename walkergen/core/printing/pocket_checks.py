@@ -53,8 +53,7 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
         if span > MAX_BRIDGE_MM:
             better = "side" if solids.is_printed_on_side(design) else "down"
             what = f"the pocket of the {name} prints with its floor over air"
-            change = f"set {name}.opens = {better!r}, or print it with supports on the bed"
-            yield warning(what, span, MAX_BRIDGE_MM, change)
+            yield warning(what, span, MAX_BRIDGE_MM, f"set {name}.opens = {better!r}")
 
 
 def ceiling_span(part: Part, design: Design) -> float:

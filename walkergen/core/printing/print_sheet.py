@@ -21,15 +21,14 @@ from walkergen.core.walker.solids import Solids
 
 ON_SIDE_TEXT = "on its side, no supports"
 
-LEGS_UP_TEXT = (
-    "upside down, flat on its upper side, legs up; no supports up to 45 deg of tilt, unless the "
-    "checks tell of a body over air"
-)
+LEGS_UP_TEXT = "upside down, its upper side on the bed, legs up"
 
 
-def describe_orientation(design: Design) -> str:
+def describe_orientation(design: Design, is_supported: bool) -> str:
     """Describe how a walker lies on the bed, and its supports."""
-    return ON_SIDE_TEXT if solids.is_printed_on_side(design) else LEGS_UP_TEXT
+    if solids.is_printed_on_side(design):
+        return ON_SIDE_TEXT
+    return f"{LEGS_UP_TEXT}, {'supports from the bed under the body' if is_supported else 'no supports'}"
 
 
 OUTLINE_SPEED_MM_S, LINE_SPEED_MM_S = 20.0, 43.0
@@ -135,6 +134,8 @@ class Batch(NamedTuple):
     parts: Sequence[Part]
     form: str
     """Name of the file for weighed masses."""
+    supported: Sequence[bool]
+    """Whether each member prints with supports, in their order."""
 
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
@@ -149,7 +150,12 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
     """Format the part of the print sheet on printing, without weighing. `loads` are the plastic of each part."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
-    settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
+    supported = [
+        name
+        for name, is_supported in zip(names.part_names(batch.members), batch.supported, strict=True)
+        if is_supported
+    ]
+    settings = slicer.sheet_settings(printer, orientation_settings(batch.members, batch.supported), supported)
     lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]
     return (
         _read_asset("sheet.md")
@@ -177,10 +183,10 @@ def _read_asset(name: str) -> str:
     return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
 
 
-def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
+def manifest_facts(printer: Printer, findings: Sequence[Finding], has_supports: bool) -> dict[str, Any]:
     """Return facts on a print for the manifest: PrusaSlicer's settings and every finding."""
     return {
-        "prusaslicer": slicer.prusaslicer_settings(printer),
+        "prusaslicer": slicer.prusaslicer_settings(printer, has_supports),
         "findings": [finding._asdict() for finding in group_findings(findings)],
     }
 
@@ -202,11 +208,15 @@ def body_facts(design: Design) -> dict[str, Any]:
     return {"sha256": shape.sha256, "changes": list(shape.changes)}
 
 
-def orientation_settings(members: Sequence[Design]) -> list[slicer.Setting]:
-    """Return the print sheet's lines on how walkers lie. If designs differ, each line names its designs."""
+def orientation_settings(members: Sequence[Design], supported: Sequence[bool]) -> list[slicer.Setting]:
+    """Return the print sheet's lines on how walkers lie. If designs differ, each line names its designs.
+
+    `supported` states whether each member prints with supports. A design does if one of its members does.
+    """
+    with_supports = {design.name for design, is_supported in zip(members, supported, strict=True) if is_supported}
     groups: dict[str, list[str]] = {}
     for name, design_members in names.group_by_design(members).items():
-        groups.setdefault(describe_orientation(design_members[0]), []).append(name)
+        groups.setdefault(describe_orientation(design_members[0], name in with_supports), []).append(name)
     return [
         slicer.Setting(
             "orientation" if len(groups) == 1 else f"orientation of {', '.join(designs)}",

@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from walkergen.core.printing import walls
+from walkergen.core.printing import supports, walls
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker.spec import Material
 
@@ -18,6 +18,9 @@ FILAMENT_DIAMETER_MM = 1.75
 INFILL_OVERLAP_PERCENT = 7
 """Overlap at which PrusaSlicer 2.5 puts as much plastic into a body as its mesh holds, within 1 %;
 its own 25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
+
+SUPPORT_SLOPE_DEG = f"{90.0 - supports.MAX_OVERHANG_DEG:g}"
+"""Slope from the bed below which slicers put supports under an area."""
 
 WIDTH_PREFIXES = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_", "first_layer_")
 
@@ -40,10 +43,10 @@ class Setting(NamedTuple):
     reason: str
 
 
-def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Setting]:
+def sheet_settings(printer: Printer, orientations: Sequence[Setting], supported: Sequence[str]) -> list[Setting]:
     """List the print sheet's settings for any slicer, and why the prediction depends on each.
 
-    `orientations` are its settings that state how parts lie.
+    `orientations` are its settings that state how parts lie. `supported` are the names of parts that need supports.
     """
     thin = (
         ""
@@ -65,15 +68,18 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
         Setting("flow", "100 %", "masses; extrusion multiplier of your own filament profile"),
         Setting("brim", f"{printer.brim_width_mm:g} mm", "what stays on a leg adds to m"),
         Setting("skirt", skirt if printer.skirt_loops else "none", ""),
-        Setting("supports, raft, elephant foot compensation", "none", "legs keep their thickness"),
+        Setting("supports", f"on, from the bed only: under {', '.join(supported)}", "the body hangs over air there")
+        if supported
+        else Setting("supports", "none", ""),
+        Setting("raft, elephant foot compensation", "none", "legs keep their thickness"),
     ]
 
 
-def settings_files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
+def settings_files(printer: Printer, material: Material, start: str, has_supports: bool) -> Iterator[tuple[str, bytes]]:
     """Yield the name and bytes of each file of settings for a slicer. Names begin with `start`."""
-    yield f"{start}.ini", prusaslicer_bundle(printer, material)
-    yield f"{start}_print.ini", prusaslicer_print(printer)
-    yield f"{start}_orca.json", orca_json(printer)
+    yield f"{start}.ini", prusaslicer_bundle(printer, material, has_supports)
+    yield f"{start}_print.ini", prusaslicer_print(printer, has_supports)
+    yield f"{start}_orca.json", orca_json(printer, has_supports)
 
 
 def preset_name(printer: Printer) -> str:
@@ -81,7 +87,7 @@ def preset_name(printer: Printer) -> str:
     return f"walkergen {printer.name}"
 
 
-def prusaslicer_settings(printer: Printer) -> dict[str, str]:
+def prusaslicer_settings(printer: Printer, has_supports: bool = False) -> dict[str, str]:
     """Return print settings by PrusaSlicer's keys. Its other print settings keep their defaults."""
     return {
         "layer_height": f"{printer.layer_height_mm:g}",
@@ -105,7 +111,9 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
         "elefant_foot_compensation": "0",
         "xy_size_compensation": "0",
         "raft_layers": "0",
-        "support_material": "0",
+        "support_material": f"{has_supports:d}",
+        "support_material_buildplate_only": "1",
+        "support_material_threshold": SUPPORT_SLOPE_DEG,
         "complete_objects": "0",
         "gcode_label_objects": "1",
     }
@@ -134,14 +142,14 @@ def printer_and_filament_settings(printer: Printer, material: Material) -> dict[
     }
 
 
-def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
+def prusaslicer_bundle(printer: Printer, material: Material, has_supports: bool = False) -> bytes:
     """Return a config bundle of PrusaSlicer, which --load reads as well.
 
     The import of a bundle adds its section as a print preset. It inherits nothing, since presets whose parent a user
     lacks are dropped. The selected printer and filament stay. --load reads only the lines above the section, and needs
     no other file.
     """
-    name, settings = preset_name(printer), prusaslicer_settings(printer)
+    name, settings = preset_name(printer), prusaslicer_settings(printer, has_supports)
     lines = [
         f"# Print settings {name}, for PrusaSlicer 2.5 and later.",
         "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
@@ -156,17 +164,17 @@ def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def prusaslicer_print(printer: Printer) -> bytes:
+def prusaslicer_print(printer: Printer, has_supports: bool = False) -> bytes:
     """Return the file of print settings alone, which --load adds to a printer and filament that it read before."""
     lines = [
         f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
         "# With --load after your own printer and filament, which they leave alone.",
-        *_ini_lines(prusaslicer_settings(printer)),
+        *_ini_lines(prusaslicer_settings(printer, has_supports)),
     ]
     return ("\n".join(lines) + "\n").encode()
 
 
-def orca_settings(printer: Printer) -> dict[str, str]:
+def orca_settings(printer: Printer, has_supports: bool = False) -> dict[str, str]:
     """Return print settings by the keys of OrcaSlicer and Bambu Studio. Others keep their defaults.
 
     Each program ignores keys of the other: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
@@ -199,13 +207,15 @@ def orca_settings(printer: Printer) -> dict[str, str]:
         "xy_contour_compensation": "0",
         "xy_hole_compensation": "0",
         "raft_layers": "0",
-        "enable_support": "0",
+        "enable_support": f"{has_supports:d}",
+        "support_on_build_plate_only": "1",
+        "support_threshold_angle": SUPPORT_SLOPE_DEG,
         "enable_prime_tower": "0",
         "print_sequence": "by layer",
     }
 
 
-def orca_json(printer: Printer) -> bytes:
+def orca_json(printer: Printer, has_supports: bool = False) -> bytes:
     """Return print settings as a user's process preset of OrcaSlicer and Bambu Studio.
 
     The preset inherits nothing and so fits every printer: the import silently drops a preset whose
@@ -220,7 +230,7 @@ def orca_json(printer: Printer) -> bytes:
         "inherits": "",
         "from": "User",
         "version": "1.10.0.0",
-        **orca_settings(printer),
+        **orca_settings(printer, has_supports),
     }
     return (json.dumps(preset, indent=4) + "\n").encode()
 

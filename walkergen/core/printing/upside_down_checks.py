@@ -7,24 +7,15 @@ layers run along it, and nothing carries what juts out of the layer below by too
 import math
 from collections.abc import Iterator
 
-import numpy as np
-
-from walkergen.core.numerics import Array
 from walkergen.core.printing import walls
 from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Setting, make_finding
 from walkergen.core.printing.printers import Printer
+from walkergen.core.printing.supports import MAX_OVERHANG_DEG, MIN_OVERHANG_MM2, overhang_area
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker import pockets, solids
 from walkergen.core.walker.design import Design
-
-MAX_OVERHANG_DEG = 45.0
-"""Largest angle from the vertical at which walls print without supports, the usual rule."""
 
 MAX_STEP_RATIO = 0.5
 """Largest step of a leg from layer to layer, over its thickness, on which a layer still lies."""
-
-MIN_OVERHANG_MM2 = 1.0
-"""Area over air above which there is a warning. Assumed: threads bridge that much."""
 
 MIN_MODULUS_SD_PERCENT = 20.0
 """Standard deviation of Young's modulus, percent, below which a leg that bends across its layers
@@ -39,37 +30,12 @@ def check_part(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding
     yield from _check_overhang(design, mesh)
 
 
-def overhang_area(design: Design, mesh: Mesh) -> float:
-    """Return the area of the body's faces over air that look down by more than MAX_OVERHANG_DEG, mm^2.
-
-    The mesh lies upside down on z = 0. Legs, above the body, are not counted, nor are engraved
-    letters, whose strokes are bridged. Pockets have a check of their own (pocket_checks).
-    """
-    if design.parts:
-        plain_design = pockets.without_pockets(design)
-        return overhang_area(plain_design, solids.orient_for_print(plain_design, solids.build(plain_design).walker))
-    corners = mesh.vertices[mesh.triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = 0.5 * np.linalg.norm(normals, axis=1)
-    downward_areas: Array = -0.5 * normals[:, 2]
-    # 1e-9 more, so that rounding does not count faces of exactly that angle
-    is_steep = downward_areas > (math.sin(math.radians(MAX_OVERHANG_DEG)) + 1e-9) * areas
-    heights = corners[:, :, 2]
-    engraving_depth = design.marks.depth_mm if design.letters else 0.0
-    is_in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + engraving_depth + ROUNDING_MM
-    is_body = heights.min(axis=1) < design.size.thickness - ROUNDING_MM
-    return float(areas[is_steep & is_in_air & is_body].sum())
-
-
 def _check_tilt(design: Design) -> Iterator[Finding]:
     """Yield a warning for each kind of leg that tilts too far to print without supports."""
     for tilt, name in walls.group_legs(design, lambda limb: round(abs(math.degrees(limb.tilt)), 9)):
         if tilt > MAX_OVERHANG_DEG:
-            what, change = (
-                f"{walls.with_article(name)} prints upright, over air",
-                "tilt it less, or print it with supports",
-            )
-            yield make_finding(About.LEGS, "warning", what, tilt, MAX_OVERHANG_DEG, "deg", change)
+            what = f"{walls.with_article(name)} prints upright, over air"
+            yield make_finding(About.LEGS, "warning", what, tilt, MAX_OVERHANG_DEG, "deg", "tilt it less")
 
 
 def _check_layer_steps(design: Design, printer: Printer) -> Iterator[Finding]:
@@ -102,5 +68,5 @@ def _check_overhang(design: Design, mesh: Mesh) -> Iterator[Finding]:
     if area > MIN_OVERHANG_MM2:
         turn = ", or turn the mesh by body.up" if design.body.mesh is not None else ""
         what = f"the body hangs over air by more than {MAX_OVERHANG_DEG:g} deg as it lies, upside down"
-        change = f"print it with supports on the bed{turn}"
+        change = f"print it with supports from the bed under the body, which a plate's print settings switch on{turn}"
         yield make_finding(About.BODY, "warning", what, area, MIN_OVERHANG_MM2, "mm2", change)

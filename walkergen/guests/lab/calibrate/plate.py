@@ -9,7 +9,7 @@ from walkergen.core.files import output
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.files.tables import csv_text
-from walkergen.core.printing import checks, packing, print_sheet
+from walkergen.core.printing import checks, packing, print_sheet, supports
 from walkergen.core.printing.findings import Finding, check_printable, combine_printers
 from walkergen.core.printing.walls import Wall
 from walkergen.core.walker import solids
@@ -105,7 +105,7 @@ def _make_pieces(design: Design, strips: Sequence[DrawnStrip], printer: Printer)
     checked.append(Piece("block", mesh, "block", checks.check_piece("block", [], mesh, printer)))
     mesh = solids.orient_for_print(design, solids.build(design).walker)
     seen = checks.check_part("walker", design, mesh, printer)
-    return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
+    return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen, supports.is_needed(design, mesh))]
 
 
 def _write_printer_files(
@@ -127,7 +127,9 @@ def _write_printer_files(
 
 def _format_sheet(design: Design, strips: Sequence[DrawnStrip], layout: Layout, stem: str) -> str:
     """Return the sheet on printing and measuring, as Markdown. `stem`: start of the names of its files."""
-    batch = print_sheet.Batch(stem, layout.printer, [design], layout.plates, layout.parts, form.FORM_FILE)
+    batch = print_sheet.Batch(
+        stem, layout.printer, [design], layout.plates, layout.parts, form.FORM_FILE, [layout.has_supports]
+    )
     loads = plate_files.piece_loads(layout, design.material.density_g_cm3)
     printing = print_sheet.format_print_section(batch, loads, layout.findings, legend="")
     return f"{printing}\n\n{measuring.to_markdown(strips, design, layout.printer)}"
@@ -151,6 +153,6 @@ def _facts(design: Design, strips: Sequence[DrawnStrip], layout: Layout) -> dict
         "bodies": {design.name: print_sheet.body_facts(design)},
         "printer": layout.printer.model_dump(mode="json"),
         "strips": {part.name: part.strip._asdict() for part in strips},
-        "print": print_sheet.manifest_facts(layout.printer, layout.findings),
+        "print": print_sheet.manifest_facts(layout.printer, layout.findings, layout.has_supports),
         "versions": output.versions(),
     }

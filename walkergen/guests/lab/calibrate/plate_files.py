@@ -32,6 +32,8 @@ class Piece(NamedTuple):
     label: str
     """Words on the map."""
     findings: Sequence[Finding]
+    has_supports: bool = False
+    """Whether it prints with supports."""
 
 
 class Layout(NamedTuple):
@@ -42,6 +44,8 @@ class Layout(NamedTuple):
     parts: Sequence[Part]
     plates: Sequence[Plate]
     findings: Sequence[Finding]
+    has_supports: bool
+    """Whether a piece prints with supports."""
 
 
 def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Layout:
@@ -57,7 +61,7 @@ def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -
             for finding in checks.check_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
-    return Layout(printer, pieces, parts, plates, findings)
+    return Layout(printer, pieces, parts, plates, findings, any(piece.has_supports for piece in pieces))
 
 
 def piece_loads(layout: Layout, density: float) -> list[Load]:
@@ -73,7 +77,7 @@ def plate_files(
 ) -> Iterator[tuple[str, bytes]]:
     """Yield names and contents of files: settings, plates (3MF), pieces (STL) and, with `pictures`, maps."""
     start = f"{stem}_{layout.printer.name}"
-    yield from slicer.settings_files(layout.printer, design.material, start)
+    yield from slicer.settings_files(layout.printer, design.material, start, layout.has_supports)
     meshes = [piece.mesh for piece in layout.pieces]
     for number, plate in enumerate(layout.plates, start=1):
         name, picture = f"{start}_{number}", None
