@@ -34,9 +34,9 @@ def assert_every_form(report, capsys):
     json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     console.report(report, json=False, quiet=False, width=80)
     assert "nan" not in capsys.readouterr().out.lower().split()
-    title = spell_for_python(report.title)
+    title, opening = spell_for_python(report.title), spell_for_python(report.headline or report.title)
     assert report.markdown().startswith(f"# {title}\n")
-    assert repr(report).startswith(title)
+    assert repr(report).startswith(opening)
     html = report._repr_html_()
     assert ElementTree.fromstring(f"<div>{html}</div>").tag == "div"
     assert all(table._repr_html_() in html for table in report.visible_tables())

@@ -76,6 +76,8 @@ def family(
     prusaslicer: bool = False,
     weights: Name | None = None,
     model: Literal["best", "known", "theory"] = "best",
+    speeds: bool = True,
+    why: bool = False,
     simulate: bool = False,
     seconds: float | None = None,
     runs: int | None = None,
@@ -175,9 +177,8 @@ def plate(
     --------
     >>> import walkergen as wg
     >>> wg.plate("koumakis2016", tilt=[5, 10], copies=2, out="plate", pictures=False)
-    Plates
+    4 parts on 1 plate of prusa-mk3s
     plates: 2 rows
-    prusa-mk3s: 4 parts on 1 plate
     """
 
 def predict(

@@ -63,7 +63,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
         "motor": design.motor is not None,
         "shaken": scene.drive.kind == "plate",
         "mass_g": float(member.mass.total),
-        "caption": sentences.to_plain_text(report.caption),
+        "caption": sentences.to_plain_text(report.headline),
         "dimensions": list(_dimensions(design)),
         "centre": _centre_of_mass(design, member.mass),
         "loads": list(_foot_loads(design, member.mass)),

@@ -38,7 +38,7 @@ def table(content: "Table", width: int | None = None) -> None:
 
 
 def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
-    """Print a report: as JSON if `json`, else its caption, tables, lines and folder, or nothing if `quiet`.
+    """Print a report: as JSON if `json`, else its headline first and its next step last, or nothing if `quiet`.
 
     Warnings and errors are printed on the error stream in any case. `width`: of tables, in letters; None for the
     terminal's.
@@ -49,8 +49,8 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
     if json:
         _print_json({**spell_all(result.facts), **folder})
     elif not quiet:
-        if result.caption:
-            text(result.caption)
+        for opening in filter(None, (result.headline, result.caption)):
+            text(opening)
         for shown in result.visible_tables():
             table(shown.rich(), width)
             for line in shown.footer_lines():
@@ -61,6 +61,8 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
             print(path)
         if folder:
             print(f"written into {result.folder}/")
+        if result.next_step:
+            print(result.next_step)
     for error in result.errors:
         print(f"error: {spell(error)}", file=sys.stderr)
 

@@ -262,6 +262,13 @@ def table_from_rows(name: str, rows: Sequence[Any], columns: Sequence[Column] = 
     return Table(name, rows, rows[0]._fields, columns, title)
 
 
+def format_next_step(pictures: Sequence[Path], prints: Sequence[Path] = ()) -> str:
+    """Return the sentence on what to open next: the first of the pictures, then files for a slicer."""
+    more = f" and {len(prints) - 1} more" if len(prints) > 1 else ""
+    steps = [*(f"look at {path}" for path in pictures[:1]), *(f"print {path}{more}" for path in prints[:1])]
+    return f"next: {', then '.join(steps)}" if steps else ""
+
+
 def format_value(value: Any) -> str:
     """Format a value for people: four digits of a number, blank for None."""
     if value is None:
@@ -303,6 +310,8 @@ class Report:
     tables: Sequence[Table]
     facts: Mapping[str, Any]
     """Contents of the JSON file."""
+    headline: str = ""
+    """Sentence that answers the request, above everything else, without a full stop."""
     caption: str = ""
     """Description of the request, without a full stop."""
     lines: Sequence[str] = ()
@@ -315,6 +324,8 @@ class Report:
     """Files that the report lists, a line each."""
     folder: Path | None = None
     """Folder that it was written to."""
+    next_step: str = ""
+    """Sentence on what to open next, below everything else, without a full stop."""
     errors: Sequence[str] = ()
     """Reasons for a command to fail after it shows this, a line each."""
     code: int = 0
@@ -350,7 +361,7 @@ class Report:
         str
             Text in Markdown.
         """
-        parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
+        parts = [f"# {self.title}", *(f"{text}." for text in (self.headline, self.caption) if text)]
         for each in self.visible_tables():
             parts += [f"## {each.title}" if each.title else ""]
             parts += [_to_markdown(each.rich(markdown=True))]
@@ -442,11 +453,15 @@ class Report:
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:
-        lines = [self.title, *(line for one in self.tables for line in one.summary_lines()), *self._message_lines()]
+        lines = [
+            self.headline or self.title,
+            *(line for one in self.tables for line in one.summary_lines()),
+            *self._message_lines(),
+        ]
         return spell_for_python("\n".join(lines))
 
     def _repr_html_(self) -> str:
-        parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
+        parts = [f"<p>{escape(text)}</p>" for text in (self.headline or self.title, self.caption)]
         parts += [each._repr_html_() for each in self.visible_tables()]
         return spell_for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._message_lines())]))
 

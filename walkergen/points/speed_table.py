@@ -1,6 +1,7 @@
 """Table of the predicted speeds of a design's walkers, as shown to users: its caption, columns and notes."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from walkergen.core.files import formatting
@@ -31,6 +32,55 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
     )
 
 
+def headline(design: str, walkers: Sequence[Member], folder: Path | None = None) -> str:
+    """Return the answer in a sentence: what the only walker does, or how fast the fastest one runs."""
+    start = count_walkers(design, walkers, folder)
+    if len(walkers) == 1:
+        only = walkers[0].design
+        told = f"{only.kind} legs, tilt {only.tilt_deg:g} deg: {prediction.describe_speed(walkers[0].row)}"
+        return f"{start}: {told}" if folder else f"{design}, {told}"
+    by_speed = [(abs(speed), number) for number, one in enumerate(walkers) if (speed := _speed(one)) is not None]
+    if not by_speed:
+        return f"{start}, none with a speed"
+    missing = len(walkers) - len(by_speed)
+    rest = f"; {missing} {'has' if missing == 1 else 'have'} no speed" if missing else ""
+    fastest = walkers[max(by_speed)[1]]
+    if prediction.is_standing(fastest.row):
+        return f"{start}; {'all' if not missing else 'the others'} stand{rest}"
+    return f"{start}; the fastest, {_describe_member(fastest, walkers)}, {_describe_run(fastest)}{rest}"
+
+
+def count_walkers(design: str, walkers: Sequence[Member], folder: Path | None = None) -> str:
+    """Return the number of walkers as text, with their folder or the name of their design."""
+    return f"{len(walkers)} walker{'s' * (len(walkers) > 1)} {f'in {folder}' if folder else f'of {design}'}"
+
+
+def _speed(walker: Member) -> float | None:
+    """Return the speed of a walker, mm/s: that of the theory if only this was requested; None without one."""
+    return walker.row.theory_mm_s if walker.row.has_theory_alone else walker.row.speed.value
+
+
+def _describe_member(walker: Member, walkers: Sequence[Member]) -> str:
+    """Name a walker by what distinguishes it from the others: its kind of legs, its tilt or both."""
+    kinds, tilts = {one.design.kind for one in walkers}, {one.design.tilt_deg for one in walkers}
+    kind = [f"{walker.design.kind} legs"] * (len(kinds) > 1)
+    return " at ".join([*kind, *[f"{walker.design.tilt_deg:g} deg"] * (len(tilts) > 1)]) or walker.name
+
+
+def _describe_run(walker: Member) -> str:
+    """Describe how fast a walker runs, in whole mm/s with the bounds of 95 %."""
+    speed, bounds = _speed(walker) or 0.0, _format_bounds(walker.row.speed)
+    source = "the paper's theory, eq. 15" if walker.row.has_theory_alone else f"95 %: {bounds}"
+    return f"runs {'backward ' * (speed < 0.0)}at {formatting.format_fixed(abs(speed), 0)} mm/s ({source})"
+
+
+def needs_notes(walkers: Sequence[Member], scene: Scene) -> bool:
+    """Return whether notes are shown without a request: for a missing speed, an accepted error, or theory alone."""
+    rows = [walker.row for walker in walkers]
+    missing = any(row.speed.value is None and row.falls == 0.0 for row in rows)
+    return missing or scene.run.accepted_error is not None or all(row.has_theory_alone for row in rows)
+
+
 WEIGHED_NOTE = (
     "Weighed: whole walkers alone (grams) scale every mass alike, which changes the predicted "
     "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it "
@@ -57,6 +107,9 @@ MEANINGS = {
 }
 """Meanings of short headings, by the keys of their columns."""
 
+MASS_KEYS = ("tilt_deg", "legs", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2")
+"""Columns of a table of walkers without speeds."""
+
 MIN_FOLDED_WALKERS = 3
 """Minimum number of walkers on braced legs that share one line."""
 
@@ -80,6 +133,18 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
     if not _has_weighings(walkers):
         return [speeds]
     return [speeds, Table("weighed", [members.row(member) for member in walkers], (), MASS_COLUMNS, "Weighed")]
+
+
+def masses_table(name: str, design: str, walkers: Sequence[Member]) -> Table:
+    """Return the table of a design's masses alone."""
+    rows = [{key: value for key, value in member.row.columns().items() if key in MASS_KEYS} for member in walkers]
+    shown = (
+        report.number_column("tilt\n(deg)", "tilt_deg", 6),
+        report.text_column("legs", "legs"),
+        _mass_column("mass\n(g)", "total_g"),
+    )
+    read = [member.row for member in walkers]
+    return Table(name, [tuple(row.values()) for row in rows], MASS_KEYS, shown, f"Walkers of {design}", read=read)
 
 
 def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:

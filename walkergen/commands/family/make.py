@@ -31,8 +31,9 @@ from walkergen.core.walker.body import Body
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Kind, Legs
 from walkergen.core.walker.weighed_masses import Weighings
+from walkergen.files.report import format_next_step
 from walkergen.inputs import filled_form_warnings, read_masses
-from walkergen.points import members
+from walkergen.points import members, speed_table
 from walkergen.points.members import Member
 from walkergen.request import choose_scene
 
@@ -98,27 +99,34 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
     with Folder(path) as folder:
         walkers: list[Member] = []
         predicted = members.predict_members(
-            inputs.members, built, inputs.scene, request.mode, inputs.weighed, request.model, progress
+            inputs.members,
+            built,
+            inputs.scene,
+            request.mode,
+            inputs.weighed,
+            request.model if request.speeds else "theory",
+            progress,
         )
         for member, mesh in zip(predicted, layout.meshes, strict=True):
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
             progress(member.name, len(walkers), steps)
+        prints: list[Path] = []
         for name, data in plates.layout_files(layout, "family", draw, request.prusaslicer):
             folder.write(f"plates/{name}", data)
+            prints += [path / "plates" / name] * name.endswith((".3mf", ".stl"))
         parts = [*(member.name for member in walkers), *weighed_masses.carried_rows(inputs.design)]
         weighed_masses.write_form(path, parts)  # people's: not in the manifest
         progress("plates", len(walkers) + 1, steps)
-        written = report.make_report(inputs.design, inputs.scene, request.mode, walkers, path)
+        written = _report(request, inputs, walkers, path)
         written.write(folder, pictures=False)
         if request.simulate:  # takes long: everything else is already safe in the folder
             walkers = member_runs.simulate_members(inputs.scene, walkers, progress)
-        shown = _chart_data(inputs, request.mode, walkers) if request.pictures else None
-        if request.simulate or request.pictures:
-            written = report.make_report(inputs.design, inputs.scene, request.mode, walkers, path, shown)
-            written.write(folder, request.pictures)
+        shown = _chart_data(inputs, request.mode, walkers) if request.pictures and request.speeds else None
+        if request.simulate or shown is not None:
+            _report(request, inputs, walkers, path, shown).write(folder, request.pictures)
         if request.pictures:
-            folder.write("preview.png", _preview_png(inputs.design.name, walkers))
+            folder.write("preview.png", _preview_png(inputs.design.name, walkers, request.speeds))
             if (picture := _trace_picture(inputs.design)) is not None:
                 folder.write("taken.png", picture)
         facts = _facts(request, inputs, layout, time.perf_counter() - started)
@@ -126,11 +134,31 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
             from walkergen.commands.family import page
 
             files = {name: (path / name).read_bytes() for name in sorted(folder.hashes)}
-            folder.write("report.html", page.render(report.view_parts(walkers), files, facts))
+            folder.write("report.html", page.render(report.view_parts(walkers, request.speeds), files, facts))
         folder.finish(facts)
         progress("done", steps, steps)
     forms = filled_form_warnings(path, inputs.members)
-    return replace(written, warnings=[*warning_lines(layout.findings), *inputs.notes, *forms])
+    headline = speed_table.headline if request.speeds else speed_table.count_walkers
+    return replace(
+        _report(request, inputs, walkers, path, shown, why=request.why),
+        headline=headline(inputs.design.name, walkers, path),  # no file names its own folder
+        warnings=[*warning_lines(layout.findings), *inputs.notes, *forms],
+        next_step=format_next_step([path / "preview.png"] * request.pictures, prints),
+    )
+
+
+def _report(
+    request: FamilyRequest,
+    inputs: FamilyInputs,
+    walkers: Sequence[Member],
+    path: Path,
+    shown: ChartData | None = None,
+    why: bool = True,
+) -> FamilyReport:
+    """Return the report of the walkers, with or without speeds as requested. `why`: whether speeds are explained."""
+    if not request.speeds:
+        return report.make_parts_report(inputs.design, walkers, path)
+    return report.make_report(inputs.design, inputs.scene, request.mode, walkers, path, shown, why)
 
 
 def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
@@ -159,14 +187,13 @@ def _trace_picture(design: Design) -> bytes | None:
     return None if source is None else figures.png(traced_outline.draw_outline(source), dpi=100)
 
 
-def _preview_png(name: str, walkers: Sequence[Member]) -> bytes:
-    """Return a picture (PNG) of all members, side by side."""
+def _preview_png(name: str, walkers: Sequence[Member], speeds: bool) -> bytes:
+    """Return a picture (PNG) of all members, side by side, with their speeds if `speeds` and if they are few."""
     from walkergen.commands.family import preview
     from walkergen.files import figures
 
-    captions = [
-        prediction.describe_briefly(member.row) if len(walkers) <= preview.MAX_LARGE_PARTS else "" for member in walkers
-    ]
+    described = speeds and len(walkers) <= preview.MAX_LARGE_PARTS
+    captions = [prediction.describe_briefly(member.row) if described else "" for member in walkers]
     parts = [
         preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, captions, strict=True)
     ]

@@ -44,34 +44,64 @@ class FamilyReport(Report):
         return viewer.render_frame(view_parts(self.members), str(self.folder)) + super()._repr_html_()
 
 
-def view_parts(walkers: Sequence[Member]) -> "list[Part]":
-    """Return the walkers for a 3D view, each with its speed in words."""
+def view_parts(walkers: Sequence[Member], speeds: bool = True) -> "list[Part]":
+    """Return the walkers for a 3D view, each with its speed in words if `speeds`."""
     from walkergen.files.viewer import Part
 
     return [
-        Part(names.part_name(one.design), one.design.kind, *one.mesh, prediction.describe_briefly(one.row))
+        Part(
+            names.part_name(one.design),
+            one.design.kind,
+            *one.mesh,
+            prediction.describe_briefly(one.row) if speeds else "",
+        )
         for one in walkers
     ]
 
 
 def make_report(
-    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path, shown: ChartData | None = None
+    design: Design,
+    scene: Scene,
+    mode: str,
+    walkers: Sequence[Member],
+    folder: Path,
+    shown: ChartData | None = None,
+    why: bool = True,
 ) -> FamilyReport:
-    """Make the report of a design's walkers, and of the figure's additional speeds, if it is drawn."""
-    tables = speed_table.tables("family", design.name, walkers)
+    """Make the report of a design's walkers, and of the figure's additional speeds, if it is drawn.
+
+    `why`: whether the sources of the speeds are explained.
+    """
+    with_notes = why or speed_table.needs_notes(walkers, scene)
+    tables = speed_table.tables("family", design.name, walkers, with_notes)
     facts = {"rows": list(tables[0])}
     if shown is not None:
         tables.append(chart_data.table(shown))
     return FamilyReport(
         name="family",
         title=design.name,
-        caption=speed_table.caption(design, scene, mode),
+        headline=speed_table.headline(design.name, walkers),
+        caption=speed_table.caption(design, scene, mode) if why else "",
         tables=tables,
         facts=facts,
-        lines=speed_table.note_lines(walkers),
+        lines=speed_table.note_lines(walkers, with_notes),
         folder=folder,
         members=walkers,
         figures={} if shown is None else {"speed": _figure(design, scene, walkers, shown)},
+    )
+
+
+def make_parts_report(design: Design, walkers: Sequence[Member], folder: Path) -> FamilyReport:
+    """Make the report of a design's walkers without speeds."""
+    table = speed_table.masses_table("family", design.name, walkers)
+    return FamilyReport(
+        name="family",
+        title=design.name,
+        headline=speed_table.count_walkers(design.name, walkers),
+        tables=[table],
+        facts={"rows": list(table)},
+        folder=folder,
+        members=walkers,
     )
 
 

@@ -45,6 +45,8 @@ class FamilyRequest(request.Request):
     weights: request.Weights = None
     out: request.Out = None
     model: request.Predicted = "best"
+    speeds: Annotated[bool, Flag("Predict speeds. Without them only parts are made, in seconds.")] = True
+    why: Annotated[bool, Flag("Explain the sources of the speeds.")] = False
     simulate: Annotated[bool, Flag("Simulate every walker too (takes minutes).")] = False
     seconds: request.Seconds = None
     runs: request.Runs = None
@@ -57,5 +59,7 @@ class FamilyRequest(request.Request):
 
     def run(self, progress: Progress) -> "FamilyReport":
         """Make the family."""
+        if not self.speeds:
+            self.check_unset("needs speeds, which this request leaves out", "model", "simulate", "measured", "why")
         report: FamilyReport = self.do_work(progress)
         return report

@@ -26,6 +26,9 @@ from walkergen.request import PAPER_WALKER
 from walkergen.sheets import cap_files
 from walkergen.sheets.cap_files import CappedWalker
 
+MAX_NAMED_WALKERS = 3
+"""Maximum number of walkers that the first sentence names."""
+
 
 class PlateInputs(NamedTuple):
     """Values that a request reads from files."""
@@ -82,9 +85,18 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
     return Report(
         name="room",
         title="Copies that fit on one plate",
+        headline=_room_headline(rows),
         tables=[report.table_from_rows("room", rows, columns)],
         facts={"rows": [row._asdict() for row in rows]},
     )
+
+
+def _room_headline(rows: Sequence[Capacity]) -> str:
+    """Return how many copies fit on one plate, in a sentence: of each of a few walkers, or of many together."""
+    if len(rows) > MAX_NAMED_WALKERS:
+        fits = [row.fit for row in rows]
+        return f"one plate holds {min(fits)} to {max(fits)} copies of a walker"
+    return f"one plate holds {' or '.join(f'{row.fit} of {row.name} ({row.printer})' for row in rows)}"
 
 
 def read_inputs(request: PlateRequest) -> PlateInputs:
@@ -188,13 +200,9 @@ def _report(
     ]
     if any(row.mark for row in rows):
         columns.append(report.text_column("marks", "marks"))
-    lines = []
-    for printer in dict.fromkeys(row.printer for row in rows):
-        numbers = [row.plate for row in rows if row.printer == printer]
-        count = max(numbers)
-        lines.append(f"{printer}: {len(numbers)} parts on {count} plate{'s' if count > 1 else ''}")
     advice = dict.fromkeys(names.reading_instructions(design.marks) for design in inputs.members)
-    lines += [text for text in advice if text]
+    lines = [text for text in advice if text]
+    of_plates = [path for path in files if path.parent.name == "plates"]
     if serial is not None:
         last = serial + sum(inputs.copies) - 1
         lines.append(f"Copies are numbered {serial} to {last}. The number is the last in each mark.")
@@ -202,12 +210,27 @@ def _report(
     return PlateReport(
         name="plates",
         title="Plates",
+        headline=_headline(rows),
         lines=lines,
         places=rows,
         files=files,
         tables=[Table("plates", list(_copies_by_plate(rows)), (), columns)],
         facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
+        next_step=report.format_next_step(
+            [path for path in of_plates if path.suffix == ".png"],
+            [path for path in of_plates if path.suffix in (".3mf", ".stl")],
+        ),
     )
+
+
+def _headline(rows: Sequence[CopyPosition]) -> str:
+    """Return the number of parts, and of plates for each printer, in a sentence."""
+    found = []
+    for printer in dict.fromkeys(row.printer for row in rows):
+        numbers = [row.plate for row in rows if row.printer == printer]
+        count, parts = max(numbers), len(numbers)
+        found.append(f"{parts} part{'s' * (parts > 1)} on {count} plate{'s' * (count > 1)} of {printer}")
+    return "; ".join(found)
 
 
 def _copies_by_plate(rows: Sequence[CopyPosition]) -> Iterator[Load]:

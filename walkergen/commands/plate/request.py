@@ -22,9 +22,8 @@ class PlateRequest(request.Request):
     --------
     >>> import walkergen as wg
     >>> wg.plate("koumakis2016", tilt=[5, 10], copies=2, out="plate", pictures=False)
-    Plates
+    4 parts on 1 plate of prusa-mk3s
     plates: 2 rows
-    prusa-mk3s: 4 parts on 1 plate
     """
 
     design: Annotated[

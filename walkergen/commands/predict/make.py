@@ -66,28 +66,20 @@ def make_report(
 
     Notes also state if an accepted error may have left something out, and if only the theory applies.
     """
-    with_notes = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
+    with_notes = why or speed_table.needs_notes(walkers, scene)
     tables = speed_table.tables("prediction", design.name, walkers, with_notes)
     rows = list(tables[0])
     for row, member, walker_shares in zip(rows, walkers, shares, strict=False):
         title = f"{member.name}: share of the variance behind the bounds"
         tables.append(speed_table.shares_table(f"shares of {member.name}", walker_shares, title))
         row["shares"] = list(tables[-1])
-    title = design.name
-    if len(walkers) == 1:
-        (walker,) = walkers
-        title += (
-            f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.describe_speed(walker.row)}"
-        )
-    caption_lines = [title] if len(walkers) == 1 else []
-    if why:
-        caption_lines.append(speed_table.caption(design, scene, mode))
     return PredictReport(
         name="predict",
-        title=title,
+        title=design.name,
         tables=tables,
         facts={"rows": rows},
-        caption="\n".join(caption_lines),
+        headline=speed_table.headline(design.name, walkers),
+        caption=speed_table.caption(design, scene, mode) if why else "",
         lines=speed_table.note_lines(walkers, with_notes),
         scene=scene,
         members=walkers,

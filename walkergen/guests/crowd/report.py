@@ -1,13 +1,13 @@
 """Report of a crowd, and its folder: numbers with errors, contact losses, figures, tracks of every run."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.core import ENERGY_TOLERANCE, Folder, Outcome, Progress, format_number, versions
 from walkergen.files import report
-from walkergen.files.report import Report, Table
+from walkergen.files.report import Report, Table, format_next_step
 from walkergen.guests.crowd import figures as crowd_figures
 from walkergen.guests.crowd import files as tracks
 from walkergen.guests.crowd import in_plane, tables
@@ -74,6 +74,7 @@ def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport
     return CrowdReport(
         name="report",
         title=title,
+        headline=f"{title}: {tables.describe_answer(statistics)}",
         caption=crowd_caption(population),
         tables=[*tables.make_tables(statistics), *([contacts] if rows else [])],
         facts={
@@ -162,7 +163,7 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
                 progress("writing tracks", 99, 100)  # per cent
                 target.write(f"tracks/run-{number}{suffix}", to_bytes(film))
         target.finish(manifest_inputs(report.simulated.request, report.simulated.population))
-    return report
+    return replace(report, next_step=format_next_step([folder / "crowd.png"] * pictures))
 
 
 def write_inputs(request: CrowdRequest, population: Population, folder: Path) -> Report:

@@ -72,6 +72,17 @@ def summary_line(statistics: CrowdStatistics) -> str:
     )
 
 
+def describe_answer(statistics: CrowdStatistics) -> str:
+    """Describe how fast the walkers run and how far they point the same way, as far as it is known."""
+    parts = []
+    if (speed := statistics.numbers["speed"]).value is not None:
+        parts.append(f"{quantity_format.format_value(speed, 'mm/s')} on average")
+    if (order := statistics.numbers["polar_order"]).value is not None:
+        chance = format_number(statistics.by_chance["polar_order"], 2)
+        parts.append(f"polar order {format_number(order.value, 2)} ({chance} at random, 1 if all point the same way)")
+    return "; ".join(parts) or summary_line(statistics).rstrip(".")
+
+
 def _describe_walkers(statistics: CrowdStatistics) -> str:
     """Describe the number of walkers and their dish."""
     return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
