@@ -146,7 +146,7 @@ def complete(words, shell="bash"):
         ("sel", ["selftest"]),
         ("predict kou", ["koumakis2016"]),
         ("simulate --scene lane-90hz-f", ["lane-90hz-fitted"]),
-        ("templates copy ender", ["ender3"]),
+        ("templates copy ender", ["ender3", "ender3-v3"]),
     ],
 )
 def test_the_shell_completes_commands_and_names(words, found):
