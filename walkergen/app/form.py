@@ -53,6 +53,8 @@ class Control(NamedTuple):
     """True if the key is optional."""
     follows: bool = False
     """True if other keys determine the value, so that the page shows it but does not offer to change it."""
+    is_open: bool = False
+    """True if the key leaves the value open; it then changes with the walker."""
 
 
 class Group(NamedTuple):
@@ -81,9 +83,9 @@ def groups(document: Document) -> list[Group]:
     ):
         tables += _table_groups(section, prefix, title)
     tilts = [control for table in tables for control in table.controls if control.key in TILTS]
-    resolved = resolved_values(design)
+    lengths = real_lengths(design)
     for table in tables:
-        table.controls[:] = [_resolve(each, design, resolved) for each in table.controls if each not in tilts]
+        table.controls[:] = [_resolve(each, design, lengths) for each in table.controls if each not in tilts]
     for control in tilts:
         if control.key == tilt_key(design):
             steepest = max(MAX_SLIDER_TILT_DEG, abs(design.tilt_deg))
@@ -92,34 +94,33 @@ def groups(document: Document) -> list[Group]:
     return tables
 
 
-def resolved_values(design: Design) -> dict[str, float]:
-    """Return the lengths that the walker's keys leave open (a file's size, automatic legs), mm, by dotted key."""
-    legs, automatic = design.legs, design.has_automatic_legs
-    follows = design.body.scales_with_length and "length_mm" not in design.body.model_fields_set
-    open_keys = {"body.length_mm": design.size.length} if follows else {}
-    for number, limb in enumerate(() if design.is_complete_mesh else design.limbs, start=1):
-        place, leg = ("legs", legs) if isinstance(legs, Legs) else (f"legs[{number}]", legs[number - 1])
-        if leg.width_mm is None or automatic:
-            open_keys[f"{place}.width_mm"] = limb.width
-        if isinstance(leg, Leg) and leg.thickness_mm is None:
-            open_keys[f"{place}.thickness_mm"] = limb.thickness
-    if automatic:
-        along = [limb.along for limb in design.limbs]
-        open_keys["legs.contact_spacing_mm"] = max(along) - min(along)
-    return {key: float(f"{value:.4g}") for key, value in open_keys.items()}
+def real_lengths(design: Design) -> dict[str, float]:
+    """Return the walker's lengths that keys may leave open, mm, to four digits, by dotted key."""
+    legs = design.legs
+    lengths = {"body.length_mm": design.size.length} if design.body.scales_with_length else {}
+    limbs = () if design.is_complete_mesh else design.limbs
+    for number, limb in enumerate(limbs, start=1):
+        table = "legs" if isinstance(legs, Legs) else f"legs[{number}]"
+        lengths |= {f"{table}.width_mm": limb.width, f"{table}.thickness_mm": limb.thickness}
+    if isinstance(legs, Legs) and limbs:
+        along = [limb.along for limb in limbs]
+        lengths["legs.contact_spacing_mm"] = max(along) - min(along)
+    return {key: float(f"{value:.4g}") for key, value in lengths.items()}
 
 
-def _resolve(control: Control, design: Design, resolved: Mapping[str, float]) -> Control:
-    """Return a control with its value in `resolved`, if there is one; it then may follow from other keys."""
-    value, body = resolved.get(control.key), design.body
+def _resolve(control: Control, design: Design, lengths: Mapping[str, float]) -> Control:
+    """Return a control with its real length, if its key leaves that open. It may then follow from other keys."""
+    body, automatic = design.body, design.has_automatic_legs
     if control.key == "legs.length_mm" and (reach := max(limb.length for limb in design.limbs)) > control.value + 0.05:
         return control._replace(name=f"length (up to {reach:.3g} mm, where the body is higher)")
-    if value is None:
+    is_body = control.key == "body.length_mm"
+    is_open = control.value is None or ("length_mm" not in body.model_fields_set if is_body else automatic)
+    if not is_open or control.key not in lengths:
         return control
-    sized = body.text is not None or body.scale_mm is not None
-    follows = sized if control.key == "body.length_mm" else design.has_automatic_legs
+    value, sized = lengths[control.key], body.text is not None or body.scale_mm is not None
+    follows = sized if is_body else automatic
     slider = None if follows else _slider_range(control.low, control.high, value)
-    return control._replace(value=value, slider=slider, follows=follows)
+    return control._replace(value=value, slider=slider, follows=follows, is_open=True)
 
 
 def to_dict(document: Document) -> dict[str, Any]:

@@ -52,7 +52,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
         "part": member.name,
         "tilt_deg": design.tilt_deg,
         "tilt_key": documents.tilt_key(design),
-        "resolved": form.resolved_values(design),
+        "lengths": form.real_lengths(design),
         "legs": len(design.limbs),
         "kind": design.kind,
         "size_mm": list(design.size),

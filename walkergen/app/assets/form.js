@@ -118,6 +118,7 @@ function row(control) {
   const holder = make('div', { className: 'row' }, label);
   holder.dataset.key = control.key;
   holder.classList.toggle('follows', control.follows);
+  holder.classList.toggle('open', control.is_open);
   const near = control.low !== null && control.high !== null && control.high < FAR;
   const limits = near ? `${control.low} to ${control.high} ${control.unit}` : '';
   const help = [control.follows ? 'Set automatically.' : '', control.help, limits].filter(Boolean).join(' ');
@@ -309,6 +310,9 @@ const askSpans = settled(async () => {
   if (answer.refused || asked !== current()) return;
   for (const row of rows) if (answer.spans[row.dataset.key]) row.span(...answer.spans[row.dataset.key]);
 }, SPANS_MS);
+
+/** Whether file and page leave the value of a key open, so that it changes with the walker. */
+export const isOpen = (key) => !isSet(key) && byId(`key-${key}`)?.closest('.row').classList.contains('open');
 
 /** Show a number that was set elsewhere, as by dragging the marker of the chart. */
 export function showValue(key, value) {

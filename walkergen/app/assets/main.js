@@ -3,7 +3,7 @@
 import { ask, askWalker, byId, lastOnly, settled } from './ask.js';
 import { compare, startCompare } from './compare.js';
 import { startDish } from './dish.js';
-import { askSpans, make, rebuild, refuse, reveal, showValue, takeFile } from './form.js';
+import { askSpans, isOpen, make, rebuild, refuse, reveal, showValue, takeFile } from './form.js';
 import { runShort, startJobs } from './jobs.js';
 import { hangs, showCurve, showOutlook, showShares, showSpeed, showWaiting, startChart } from './outlook.js';
 import { markFaults, showPart, showStill, startPart } from './part.js';
@@ -30,7 +30,7 @@ const refresh = lastOnly(async () => {
   if (!answer.facts.sentence.sure && simulated !== document) showWaiting(null);
   compare(answer.facts);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
-  for (const [key, value] of Object.entries(answer.facts.resolved)) if (!state.isSet(key)) showValue(key, value);
+  for (const [key, value] of Object.entries(answer.facts.lengths)) if (isOpen(key)) showValue(key, value);
   showPart(answer);
 });
 
