@@ -27,12 +27,15 @@ __all__ = [
     "get_requires_for_build_wheel",
 ]
 
-SIMULATES = {"manifold3d", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy", "tomli-w", "typer"}
-"""Those of the project's dependencies that a simulation imports."""
+COMPILES = {
+    *("contourpy", "lib3mf", "manifold3d", "matplotlib", "numba", "numpy", "pillow", "platformdirs", "pydantic"),
+    *("rich", "scipy", "shapely", "tomli-w", "typer"),
+}
+"""Those of the project's dependencies that the commands of `hatch_build.py` import."""
 
 
 def get_requires_for_build_editable(config_settings: dict[str, Any] | None = None) -> list[str]:
-    """List the requirements of hatchling, and those of a simulation in the versions that the project requires."""
+    """List the requirements of hatchling, and those of its commands in the versions that the project requires."""
     project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
-    needed = [line for line in project["dependencies"] if re.match(r"[\w-]+", line)[0] in SIMULATES]
+    needed = [line for line in project["dependencies"] if re.match(r"[\w-]+", line)[0] in COMPILES]
     return [*build.get_requires_for_build_editable(config_settings), *needed]
