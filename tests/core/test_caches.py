@@ -138,7 +138,7 @@ def test_a_valid_cache_entry_is_read_with_or_without_a_checksum(kernels, tmp_pat
 @POSIX
 def test_compilation_is_announced_once_with_its_time_unless_quiet(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(caches.COMPILE_TIMES_S, "another", 17)
-    place = tmp_path / caches.cache_subpath(caches.PACKAGE / "another")
+    place = tmp_path / caches.cache_subpath(caches.PACKAGE_FOLDER / "another")
     with caches.suppress_compile_notice():
         caches.announce_compilation(place)
     caches.announce_compilation(tmp_path / "elsewhere_0123")  # no model: a second or two

@@ -70,7 +70,7 @@ def _check_private(path: Path) -> None:
         raise OSError(f"{path} is not the user's alone")
 
 
-PACKAGE = Path(__file__).parents[1]
+PACKAGE_FOLDER = Path(__file__).parents[1]
 COMPILE_TIMES_S = {"core/simulation/space": 50, "guests/crowd/space": 100, "readers/drawings": 6}
 """Time that the kernels of a folder of the package take to compile on an idle core, s. Others take a second or two."""
 
@@ -102,7 +102,7 @@ def announce_compilation(place: Path) -> None:
     """
     from multiprocessing import parent_process
 
-    name = next((folder for folder in COMPILE_TIMES_S if cache_subpath(PACKAGE / folder) == place.name), "")
+    name = next((folder for folder in COMPILE_TIMES_S if cache_subpath(PACKAGE_FOLDER / folder) == place.name), "")
     if not name or name in _announced or parent_process():
         return
     _announced.add(name)

@@ -92,9 +92,8 @@ def cost(point: Point) -> float:
         left = run_time.run_cpu_s(walker) * runs if wanted is None else walkers.cost_to_error(walker, wanted)
         return found.cpu_s + left
     mass = solids.mass_of(point.design)
-    speed_prediction.predict(
-        point.design, mass, point.scene, model="known"
-    )  # not timed: it loads what all points share
+    # The first prediction is not timed: it loads what all points share.
+    speed_prediction.predict(point.design, mass, point.scene, model="known")
     started = time.thread_time()
     speed_prediction.predict(point.design, mass, point.scene, model="known")
     return time.thread_time() - started + short_simulation.expected_cpu_s(Walker(point.scene, point.design, mass))

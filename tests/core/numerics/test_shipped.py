@@ -104,7 +104,7 @@ def test_shipped_entries_come_first_and_only_with_their_sums(folder, tmp_path):
     (room / "f.nbi").write_text('{"int": "f.1.nbc"}')
     (room / "f.1.nbc").write_text("shipped")
     sums = {f"theory/{path.name}": shipped_kernels.file_checksum(path) for path in room.iterdir()}
-    own = tmp_path / caches.cache_subpath(shipped_kernels.PACKAGE_FOLDER / "theory")
+    own = tmp_path / caches.cache_subpath(caches.PACKAGE_FOLDER / "theory")
     own.mkdir()
     read = shipped_kernels.add_shipped_files(Plain, sums, folder)
     assert read(str(own), "f", b"").load("int") == "shipped"

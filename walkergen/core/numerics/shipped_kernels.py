@@ -17,8 +17,7 @@ from typing import Any, NamedTuple
 
 from walkergen.core import caches
 
-PACKAGE_FOLDER = Path(__file__).parents[2]
-KERNEL_FOLDER = PACKAGE_FOLDER / "kernels"
+KERNEL_FOLDER = caches.PACKAGE_FOLDER / "kernels"
 MANIFEST = "manifest.json"
 
 X86_64_V3_FEATURES = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
@@ -122,7 +121,7 @@ def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOL
     """Return a subclass of `base`, numba's class of cache files, that reads shipped ones first (`sums`: by path)."""
     # Subfolders of shipped kernels, by numba's names of their sources' folders
     subfolders = {
-        caches.cache_subpath(PACKAGE_FOLDER / name): name for name in {str(Path(path).parent) for path in sums}
+        caches.cache_subpath(caches.PACKAGE_FOLDER / name): name for name in {str(Path(path).parent) for path in sums}
     }
 
     class ShippedFile(base):  # type: ignore[misc]

@@ -318,8 +318,8 @@ def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
 
 def _tilt_deg(name: str) -> float | None:
     """Return the tilt in the name of a part, deg."""
-    found = re.search(r"_t(-?\d+(?:\.\d+)?)_", name)
-    return float(found[1]) if found else None
+    match = PART_NAME_PATTERN.match(name)
+    return formatting.parse_number(match["tilt"]) if match else None
 
 
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
