@@ -222,25 +222,18 @@ def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
 
 def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize) -> None:
     """Draw labelled contours of `value`, shape (y values, x values), dashed below zero."""
-    for count in (7, 5, 4, 3, 2):  # fewer levels, until all have room for a label
-        levels = MaxNLocator(count).tick_values(value.min(), value.max())
-        levels = levels[(levels > value.min()) & (levels < value.max())]
-        if not len(levels):
-            return
-        looks: Any = {
-            "colors": [_line_colour(norm, level) for level in levels],
-            "linestyles": ["--" if level < 0 else "-" for level in levels],
-        }
-        lines = axes.contour(x.places, y.places, value, levels=levels, linewidths=0.8, **looks)
-        segments = [np.concatenate(parts) for parts in lines.allsegs if len(parts)]
-        segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
-        places = _label_places(axes, segments)
-        if len(places) == len(segments):
-            break
-        lines.remove()
-    else:
+    levels = MaxNLocator(7).tick_values(value.min(), value.max())
+    levels = levels[(levels > value.min()) & (levels < value.max())]
+    if not len(levels):
         return
-    axes.clabel(lines, fmt="%g", fontsize=7, manual=places)
+    looks: Any = {
+        "colors": [_line_colour(norm, level) for level in levels],
+        "linestyles": ["--" if level < 0 else "-" for level in levels],
+    }
+    lines = axes.contour(x.places, y.places, value, levels=levels, linewidths=0.8, **looks)
+    segments = [np.concatenate(parts) for parts in lines.allsegs if len(parts)]
+    segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
+    axes.clabel(lines, fmt="%g", fontsize=7, manual=_label_places(axes, segments))
 
 
 def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
