@@ -60,19 +60,47 @@ SIMULATED = (
 REPRODUCE = "python -m evidence reproduce --seconds 6 --gamma 1.5,1.8"
 VALIDATE = "python -m evidence validate"
 CROWD = "walkergen crowd koumakis2016 --count 30 --arena disc:170 --seconds 2 --runs 2"
-OTHERS = {
+GALLERY = {
+    "koumakis2016": "the paper's walker: thin tilted legs",
+    "maker-large": "twice as large, for thick nozzles",
+    "bristle": "18 short flexible legs",
+    "rotator": "left legs lean back, right ones ahead: it turns",
+    "name": "letters between two rails",
+    "heart.svg": "a drawing on automatic legs",
+    "coinbot": "coin motor and cell: it needs no shaker",
+    "bristlebot": "coin motor on bristles",
+    "spinner": "disc with a coin motor",
     "two-materials": "rough foot behind, smooth ahead",
     "unequal-legs": "short leg near the middle",
-    "polar-disc": "rubber skate and hard tip",
-    "bristle": "18 short flexible legs",
-    "rotator": "left legs lean back, right ones ahead",
-    "name": "letters between two rails",
+    "polar-disc": "disc on a rubber skate and a hard tip",
 }
-"""Templates of other mechanisms than the paper's, with their captions."""
+"""Walkers of the gallery, templates and a drawing, with what is special about each."""
+
+GALLERY_PAGE = """# Gallery
+
+![Twelve walkers and their predicted speeds](gallery.png)
+
+The speed is the median of prints ± one standard deviation. The last column makes the files: `family` writes an STL and
+a 3MF of each tilt, a picture and a table of speeds. `walkergen templates copy NAME my.toml` copies a template to edit.
+
+| walker | what it is | predicted speed | scene | command |
+|---|---|---|---|---|
+"""
+"""First lines of docs/gallery.md."""
 
 OWN_SHAPES = ("heart.svg", "duck.stl", "ANNA")
 """Two files and a text, as a user has them."""
 
+SHEET_STYLE = """
+@page { size: A4 landscape; margin: 12mm }
+body { font: 11px/1.4 sans-serif; margin: 12px; max-width: 1040px }
+h1 { font-size: 20px; margin: 0 } table { border-collapse: collapse; width: 100% }
+td, th { border-bottom: 1px solid #bbb; padding: 5px 8px; text-align: left; vertical-align: top }
+td:first-child, code { white-space: nowrap } code { background: #eee; padding: 0 2px }
+"""
+"""Style of the cheat sheet on paper."""
+
+SHEET_WINDOW = (1070, 490)
 WINDOW = (1215, 845)
 APP_WINDOW = (1440, 900)
 """Width and height of the browser's window, pixels."""
@@ -102,19 +130,27 @@ class Picture(NamedTuple):
     """Commands that show it, one per line, if a user would not run `command`."""
 
 
-def draw_mechanisms(folder: Path) -> bytes:
-    """Draw the templates of other mechanisms, to one scale."""
+def draw_gallery(folder: Path) -> bytes:
+    """Draw the walkers of the gallery with their predicted speeds, and write the page that lists them."""
+    from evidence import example_shapes
+    from walkergen import inputs, request
     from walkergen.commands.family.preview import Part, preview_figure
-    from walkergen.core.walker import solids
-    from walkergen.core.walker.design import Design
-    from walkergen.files import figures, templates
+    from walkergen.commands.predict import make as predicting
+    from walkergen.core.theory import prediction
+    from walkergen.files import figures
 
-    designs = {name: templates.load(name, "walkers", Design) for name in OTHERS}
-    parts = [
-        Part(design, solids.build(design).walker, f"{name}\n{OTHERS[name]}", low=True)
-        for name, design in designs.items()
-    ]
-    return figures.png(preview_figure(parts, "Walkers of other mechanisms, as templates"), 150)
+    (folder / "heart.svg").write_bytes(example_shapes.HEART)
+    parts, rows = [], []
+    for name, words in GALLERY.items():
+        given = inputs.from_settings({}, {}, ["design", "scene"])
+        design = given.design(str(folder / name) if "." in name else name)
+        scene = request.choose_scene(None, [design])
+        (member,) = predicting.predict(design, [design], given.scene(scene), "coulomb").members
+        speed = "does not travel" if prediction.is_standing(member.row) else prediction.describe_briefly(member.row)
+        parts.append(Part(design, member.mesh, name, low=True, speed=speed))
+        rows.append(f"| `{name}` | {words} | {speed} | `{scene}` | `walkergen family {name}` |")
+    (folder / "gallery.md").write_text(GALLERY_PAGE + "\n".join(rows) + "\n", encoding="utf-8")
+    return figures.png(preview_figure(parts, "Twelve walkers and their predicted speeds"), 150)
 
 
 def draw_own_shapes(folder: Path) -> bytes:
@@ -164,23 +200,31 @@ def take_app(folder: Path) -> bytes:
             server.terminate()
 
 
+def print_cheat_sheet(folder: Path) -> bytes:
+    """Print the cheat sheet as PDF on one page, and take a picture of it."""
+    import markdown
+
+    text = (ROOT / "docs" / "cheat-sheet.md").read_text(encoding="utf-8")
+    text = text.replace(" [Print this page](cheat-sheet.pdf).", "")
+    page = folder / "sheet.html"
+    body = markdown.markdown(text, extensions=["tables"])
+    page.write_text(f"<!doctype html><meta charset=utf-8><style>{SHEET_STYLE}</style>{body}", encoding="utf-8")
+    run_chromium(page.as_uri(), "--no-pdf-header-footer", f"--print-to-pdf={folder / 'cheat-sheet.pdf'}")
+    return take_screenshot(folder, page.as_uri(), *SHEET_WINDOW)
+
+
 def take_screenshot(folder: Path, address: str, width: int, height: int) -> bytes:
     """Take a screenshot of a page in a browser."""
     shot = folder / "shot.png"
-    command = [
-        "chromium",
-        "--headless",
-        "--no-sandbox",
-        "--hide-scrollbars",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-        f"--window-size={width},{height}",
-        "--virtual-time-budget=8000",
-        f"--screenshot={shot}",
-        address,
-    ]
-    subprocess.run(command, check=True, capture_output=True, timeout=120)  # ten seconds measured
+    window = f"--window-size={width},{height}"
+    run_chromium(address, "--hide-scrollbars", window, "--virtual-time-budget=8000", f"--screenshot={shot}")
     return shot.read_bytes()
+
+
+def run_chromium(address: str, *options: str) -> None:
+    """Load a page in Chromium without a window."""
+    command = ["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    subprocess.run([*command, *options, address], check=True, capture_output=True, timeout=120)  # 10 s measured
 
 
 PICTURES = (
@@ -206,12 +250,13 @@ PICTURES = (
         shown="walkergen app",
     ),
     Picture(
-        "mechanisms.png",
+        "gallery.png",
         "",
-        (*STYLE, *WALKER, "walkergen/commands/family/preview.py"),
-        2,
-        draw_mechanisms,
-        shown="\n".join(f"walkergen family {name}" for name in OTHERS),
+        (*STYLE, *WALKER, *PREDICTION, *SIMULATION, "walkergen/points/*.py", "walkergen/commands/family/preview.py"),
+        90,
+        draw_gallery,
+        companions=("gallery.md",),
+        shown="\n".join(f"walkergen family {name}" for name in GALLERY),
     ),
     Picture(
         "shapes.png",
@@ -220,6 +265,17 @@ PICTURES = (
         40,
         draw_own_shapes,
         shown="walkergen family heart.svg\nwalkergen family duck.stl\nwalkergen family --text ANNA",
+    ),
+    Picture(
+        "cheat-sheet.png",
+        "",
+        ("docs/cheat-sheet.md",),
+        5,
+        print_cheat_sheet,
+        companions=("cheat-sheet.pdf",),
+        program="chromium",
+        package="chromium",
+        shown="walkergen --help",
     ),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/guests/sweep/*.py"), 5, "sweep.png"),
     Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/guests/movie/*.py"), 30, "movie.gif"),

@@ -29,7 +29,7 @@ PROJECT_PAGES = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", 
 def on_files(files, config):
     """Add the generated pages."""
     made = {page: _convert_links(ROOT / name) for page, name in PROJECT_PAGES.items()}
-    made["gallery.md"] = _make_gallery()
+    made["pictures.md"] = _make_picture_list()
     for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
         made |= _run_notebook(notebook)
     made |= {f"commands/{name}.md": _make_command_page(name) for name in COMMAND_NAMES}
@@ -50,13 +50,13 @@ def _convert_links(path):
     return re.sub(r"\]\(docs/", "](", text)
 
 
-def _make_gallery():
+def _make_picture_list():
     """Return a page of all pictures, each with its title and its command."""
     pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
     captions = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/|\.\./)?(.*?)\)", text)}
     commands = {one.name: one.shown or one.command for one in _load_pictures().PICTURES}
-    return "# Gallery\n\n" + "\n\n".join(
+    return "# Pictures\n\n" + "\n\n".join(
         f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```" for name, words in captions.items()
     )
 

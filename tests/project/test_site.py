@@ -60,10 +60,10 @@ def test_the_reference_has_every_class_that_calls_take_and_return(site):
     }
 
 
-def test_the_gallery_has_every_picture_with_its_command_below(site):
+def test_a_page_has_every_picture_with_its_command_below(site):
     pictures = {path.name for path in (ROOT / "docs").glob("*.[pg][ni][gf]")}
     assert pictures
-    parts = (site / "gallery.html").read_text().split("<img ")[1:]
+    parts = (site / "pictures.html").read_text().split("<img ")[1:]
     shown = {}
     for part in parts:
         shown[re.search(r'src="(.*?)"', part)[1]] = re.sub("<.*?>", "", part)
