@@ -5,6 +5,7 @@ import inspect
 import textwrap
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal, get_args, get_origin
 
 from walkergen.core.files import config
 from walkergen.core.scene import Scene
@@ -15,10 +16,11 @@ MAX_KEYS = 60
 
 HEAD = """# The keys of a scene
 
-A scene is a text file (TOML) with a table for each heading below. Every key has a default, so a file holds only keys
-that differ. To start, run `walkergen templates copy lane-90hz my.toml`. To set a key for one command, add for example
-`--set scene.drive.gamma=2.2`. Standard deviations (`_sd`) widen the bounds of predictions and change nothing else. "The
-paper" is [Koumakis et al. (2016)](physics.md).
+A scene describes everything outside the walker: the plate and its motion, the contact of foot and plate, walls, and the
+simulated runs. It is a text file (TOML) with a table for each heading below. Every key has a default, so a file holds
+only keys that differ. To start, run `walkergen templates copy lane-90hz my.toml`. To set a key for one command, add for
+example `--set scene.drive.gamma=2.2`. Standard deviations (`_sd`) widen the bounds of predictions and change nothing
+else. The axis x points along the run of a walker with heading 0. "The paper" is [Koumakis et al. (2016)](physics.md).
 
 *`python tests/core/test_scene_keys.py` writes this page from `walkergen/core/scene.py` and `walkergen/core/drive.py`.*
 """
@@ -41,6 +43,8 @@ def rows(name, table):
         default = getattr(getattr(Scene(), name), key) if name != "drive" else field.default
         allowed = config.describe_allowed_values((name, key), Scene).removeprefix("must be ").removeprefix("a number ")
         allowed = allowed.removeprefix("one of ").replace("'", "").replace("|", "or")
+        types = {get_origin(kind) for kind in get_args(field.annotation)}
+        allowed += ", or numbers" if Literal in types and types & {list, tuple} else ""
         allowed = allowed[3:].replace(" and <= ", " to ") if allowed.startswith(">= ") else allowed
         shown = "" if default is None else f"`{list(default) if isinstance(default, tuple) else default}`"
         allowed, before = ("as above" if len(allowed) > 80 and allowed == before else allowed), allowed

@@ -51,7 +51,7 @@ def _parse_axis(value: Any) -> Any:
 
 
 class Drive(Section):
-    """Vertical sinusoidal vibration of the plate, from any two of its four numbers, or a motor.
+    """Motion of a shaken plate, a vertical sine that two of its four numbers describe, or a motor on the walker.
 
     A second harmonic may be added, given by its amplitude over that of the fundamental and by its phase; the four
     numbers remain those of the fundamental. A motor has a frequency and the moment of its rotor. The peak acceleration
@@ -65,7 +65,7 @@ class Drive(Section):
     kind: Literal["plate", "motor"] = "plate"
     """Source of the motion: a shaken plate, or a motor in each walker on a still plate."""
     frequency_hz: Positive | None = None
-    """Frequency of the plate or of the motor. Give a plate two of this and the next three keys."""
+    """Frequency of the plate or of the motor. A plate needs two of this and the next three keys."""
     amplitude_um: Positive | None = None
     """Amplitude of the plate's displacement."""
     peak_speed_mm_s: Positive | None = None
@@ -81,7 +81,7 @@ class Drive(Section):
     eccentric_sd_g_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Standard deviation of `eccentric_g_mm`, for bounds."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
-    """Standard deviation of a motor's frequency: batteries sag, and motors differ."""
+    """Standard deviation of a motor's frequency, for bounds: batteries sag, and motors differ."""
     axis: Annotated[Literal["along", "across", "up"] | list[float] | None, BeforeValidator(_parse_axis)] = None
     """Axis of the rotor: "along", "across" or "up", or components along these. None: the axis in the design."""
 

@@ -105,7 +105,7 @@ PLATE_MATERIALS = {
 
 
 class Plate(Section):
-    """The vibrating plate."""
+    """Material, slope and faults of the shaken plate."""
 
     removed_keys: ClassVar[Mapping[str, str]] = {
         "poisson_ratio": "It follows from the material: write material = 'glass', 'acrylic', 'aluminium' or 'steel'.",
@@ -131,14 +131,15 @@ class Plate(Section):
     roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
     """Wavelength of the bumps."""
     horizontal_ratio: Annotated[list[Ratio], PAIR] = Field(default=[0.0, 0.0])
-    """Amplitudes of the plate's motion along x and to the left of x over the drive's, at the same frequency."""
+    """Horizontal amplitudes of the plate over the drive's amplitude, along x and to the left of x, at the frequency of
+    the drive."""
     horizontal_phase_deg: Annotated[list[Phase], PAIR] = Field(default=[0.0, 0.0])
-    """Phase leads of these two motions over the drive."""
+    """Phase leads of the two horizontal motions over the drive."""
     gradient_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
-    """Growth of the drive's amplitude from the start along x and to the left of x."""
+    """Growth of the drive's amplitude with distance from the walker's starting point, along x and to the left of x."""
     rocking_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
-    """Rocking about the start, a quarter of a period ahead of the drive: amplitude in height over the drive's, for each
-    mm along x and to the left of x."""
+    """Rocking of the plate about the starting point, a quarter of a period ahead of the drive: amplitude of the height
+    over the drive's amplitude, for each mm from that point, along x and to the left of x."""
 
     @model_validator(mode="after")
     def _check_noise_band(self) -> "Plate":
@@ -165,9 +166,9 @@ class Arena(Section):
     kind: Literal["lane", "plane"] = "lane"
     """Lane along x between walls, or a plane."""
     length_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
-    """Length of the ground, mm, with the start in its middle. Runs end where it ends. None: endless."""
+    """Length of the ground, mm. Walkers start in its middle, and runs end at its ends. None: endless."""
     width_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
-    """Width of a plane, mm, with the start in its middle. None: endless."""
+    """Width of a plane, mm. Walkers start in its middle. None: endless."""
     gap_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     """Distance between a lane's walls, mm. None: the walker's depth plus 0.5 mm."""
     lid_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
@@ -233,7 +234,7 @@ class LegModel(Section):
 
 
 class Feet(Section):
-    """Elastic feet: a Hertzian tip at each point, in series with its leg's corner."""
+    """Elastic feet: each corner of a foot is a small elastic sphere (*tip*), in series with the spring of the leg."""
 
     removed_keys: ClassVar[Mapping[str, str]] = {
         "damping": "Feet have one damper, which gives contact.restitution. Leave the key out.",
@@ -242,17 +243,17 @@ class Feet(Section):
     }
 
     tip_radius_um: Annotated[float, Field(ge=1e-3, le=1e6)] = 5.0
-    """Effective radius of a tip: the radius of a smooth sphere as stiff as the rough printed foot."""
+    """Effective radius of a tip: a smooth sphere of this radius is as stiff as the corner of a rough printed foot."""
     tip_radius_sd_factor: Annotated[float, Field(ge=1, le=100)] | None = None
-    """Standard deviation of that radius as a factor, log-normal. None: from the contact's prior."""
+    """Standard deviation of `tip_radius_um` as a factor, log-normal, for bounds. None: from `contact.prior`."""
     rigid_tips: bool = False
-    """True: tips are rigid and only legs are elastic, the limit of an infinite radius."""
+    """True: tips are rigid and only legs are elastic, as if `tip_radius_um` were infinite."""
     tangential_ratio: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.8
-    """Tangential over normal stiffness of a contact (Mindlin: 0.8 for equal materials)."""
+    """Tangential over normal stiffness of a tip's contact (Mindlin: 0.8 for equal materials)."""
     unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    """Standard deviation of the heights of the feet's corners. Every run draws another print."""
+    """Standard deviation of the heights of the feet's corners. Every run draws new ones, as another print has."""
     unevenness_sd_um: Annotated[float, Field(ge=0, le=1e6)] = 5.0
-    """Standard deviation of `unevenness_um` from print to print. Draws below zero count with their magnitude."""
+    """Standard deviation of `unevenness_um` between printed copies, for bounds. Negative draws change their sign."""
 
 
 def _parse_headings(value: Any) -> Any:
@@ -272,11 +273,11 @@ class Run(Section):
     """Duration, number and step of the simulated runs."""
 
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
-    """Measured time of one run, s, after the discarded start."""
+    """Measured time of one run, s, after `discard_seconds`."""
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
-    """Start of every run that is not measured, s."""
+    """Time at the beginning of every run that is not measured, s."""
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
-    """Number of runs, each from its own drop and phase."""
+    """Number of runs. Each begins with another drop of the walker, at another phase of the plate."""
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     """Seed of all random numbers."""
     heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_parse_headings)] = (0.0,)
@@ -284,9 +285,9 @@ class Run(Section):
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
     """Time step, us, while a foot is in contact. None: small enough to resolve the feet."""
     accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
-    """Accepted error of the mean speed, as a share. Effects that [effects] does not name are measured, and left out if
-    they change the speed by less. None: no effect is left out. A prediction from runs leaves out the same effects, and
-    its bounds include this error."""
+    """Accepted error of the mean speed, as a share. Each effect ([effects]) is measured, and left out if it changes the
+    speed by less than this share. Effects in `effects.on` stay. None: no effect is left out. Predictions from simulated
+    runs do the same, and their bounds include the change."""
 
 
 EffectName = Literal[
@@ -314,7 +315,7 @@ def forced_effect_line(name: str, on: bool) -> str:
 
 
 class Effects(Section):
-    """Effects that are forced on or off. The scene's other keys decide on all others."""
+    """Effects (parts of the physics, such as air drag) to force on or off. Otherwise the other keys decide."""
 
     removed_keys: ClassVar[Mapping[str, str]] = {
         name: f"Write {forced_effect_line(name, False)} for false, {forced_effect_line(name, True)} for true."
@@ -322,9 +323,9 @@ class Effects(Section):
     }
 
     on: list[EffectName] = Field(default=[])
-    """Effects that are simulated although the scene does not require them."""
+    """Effects to simulate although the other keys do not require them."""
     off: list[EffectName] = Field(default=[])
-    """Effects that are left out although the scene requires them."""
+    """Effects to leave out although the other keys require them."""
 
     @model_validator(mode="after")
     def _check_both(self) -> "Effects":
@@ -345,14 +346,14 @@ class Effects(Section):
 
 
 class Prediction(Section):
-    """Assumptions of predictions apart from contact and print."""
+    """Further assumptions of predicted speeds."""
 
     model_sd: Annotated[float, Field(ge=0, le=3)] = 0.10
-    """Standard deviation of the model's error, as a share of the speed. The default is the change by other choices in
-    the model (docs/physics.md section 4)."""
+    """Standard deviation of the simulation's own error, as a share of the speed. The default covers the change under
+    other reasonable choices in the model (docs/physics.md section 4)."""
     impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
-    """Impact speed of the theory's feet over the plate's peak speed. 0.45 gives the paper's 60 mm/s at 10 degrees with
-    its measured restitution."""
+    """For the theory, the paper's formula: speed at which a foot hits the plate over the plate's peak speed. With 0.45
+    and the paper's restitution and friction it gives the paper's 60 mm/s at 10 degrees."""
 
 
 DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
