@@ -153,8 +153,9 @@ class Inputs(NamedTuple):
             members = self.members(design, tilts, kinds, whole)
             return members, [copies] * len(members)
         if tilts is not None:
-            raise InputError("‹copies›: sets the tilts too. Remove ‹tilt›.", "copies")
-        self.check_unset(TILTS + FAMILY_TILT_KEYS, "‹copies› sets the tilts. Remove one of them.")
+            given = ",".join(f"{tilt:g}" for tilt in tilts)
+            raise InputError(f"‹tilt=›{given}: ‹copies› has the tilts already. Remove one of them.", "copies")
+        self.check_unset(TILTS + FAMILY_TILT_KEYS, "‹copies› has the tilts already. Remove one of them.")
         members = self.members(design, list(copies), kinds, whole)
         return members, [copies[member.tilt_deg] for member in members]
 

@@ -34,7 +34,7 @@ PAPER_WALKER, LANE_SCENE, PLANE_SCENE, TABLE_SCENE, DEFAULT_PRINTER = (
 VALUE_RULES = {
     "int_type": "must be a whole number",
     "float_type": "must be a number",
-    "finite_number": "must be a number",
+    "finite_number": "must be a finite number",
     "missing": "is missing",
 }
 """Rules for values, by pydantic's names of the errors."""
@@ -159,7 +159,8 @@ class Request(BaseModel):
         for name in fields:
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
-                shown = f"‹{name}›" if value is True else f"‹{name}=›{safe_text.shorten_line(str(value))[:60]}"
+                text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
+                shown = f"‹{name}›" if value is True else f"‹{name}=›{safe_text.shorten_line(text)[:60]}"
                 raise InputError(f"{shown}: {problem}. Remove it.", name)
 
 

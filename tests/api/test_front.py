@@ -109,7 +109,7 @@ def test_files_load_by_path_and_their_keys_tell_what_they_are(tmp_path, monkeypa
     Path("thin.toml").write_text("[legs]\nflexible_thickness_mm = 0.3\n", encoding="utf-8")
     assert wg.load("thin.toml").legs.flexible_thickness_mm == 0.3
     Path("name.toml").write_text('name = "x"\n', encoding="utf-8")
-    with pytest.raises(InputError, match=r"name.toml.*: give kind='walker' or kind='scene'"):
+    with pytest.raises(InputError, match=r"name.toml.*Give kind='walker' or kind='scene'"):
         wg.load("name.toml")
     assert wg.load("name.toml", "scene").name == "x"
     with pytest.raises(InputError, match=r"koumakis2016: .*"):
@@ -381,7 +381,7 @@ REFUSED = {
     ),
     "simulate": (
         lambda words: wg.simulate(PAPER, LANE, **{**SHORT, **words}),
-        [({"runs": 0}, "^runs=0: must be"), ({"error": "5%"}, r"^seconds=0\.2: chosen by error")],
+        [({"runs": 0}, "^runs=0: must be"), ({"error": "5%"}, r"^seconds=0\.2: cannot be combined with error")],
     ),
     "analyse": (
         lambda tracks: wg.analyse(tracks, fps=100, mm_per_px=1),
@@ -399,7 +399,7 @@ REFUSED = {
                 ({"copies": copies}, "^copies=")
                 for copies in (0, True, 2.5, 10**9, {}, {10: -1}, {"x": 1}, {math.nan: 1})
             ),
-            ({"copies": {10: 1}, "tilt": [5]}, "^copies: sets the tilts too. Remove tilt."),
+            ({"copies": {10: 1}, "tilt": [5]}, "^tilt=5: copies has the tilts already. Remove one of them."),
         ],
     ),
     "sweep": (

@@ -166,7 +166,7 @@ def test_templates_are_listed_shown_and_copied(run, tmp_path):
         copied = (tmp_path / file).read_text()
         assert copied == source.replace('name = "lane-90hz"', f'name = "{name}"', 1) != source
         assert templates.load(file, "scenes", Scene).name == name
-    assert "copies are made of templates" in refusal_of(run, "templates", "copy", "../x")
+    assert "cannot be copied" in refusal_of(run, "templates", "copy", "../x")
 
 
 @pytest.mark.parametrize("name", ["maker-large", "koumakis2016"])

@@ -97,7 +97,7 @@ CALLS = [
     (lambda: wg.predict(mode="exact"), r"^mode='exact': must be one of"),
     (lambda: wg.simulate(runs=0), r"^runs=0: must be a number >= 1"),
     (lambda: wg.simulate(set={"scene.run.runs": 0}), r"^scene\.run\.runs = 0: must be a number >= 1"),
-    (lambda: wg.simulate(error="5%", seconds=3), r"^seconds=3\.0: chosen by error\. Remove one of them\.$"),
+    (lambda: wg.simulate(error="5%", seconds=3), r"^seconds=3\.0: cannot be combined with error, which chooses it\."),
     (lambda: wg.predict(tilt=9, set={"legs.tilt_deg": 8}), r"^set legs\.tilt_deg: tilt=9\.0 sets it too"),
     (lambda: wg.track("x.mp4"), r"^the scale: give either mm_per_px, .*, or length, the length"),
     (lambda: wg.crowd("koumakis2016", count={"rotator": 3}), r"already names the designs\. Leave design out\.$"),

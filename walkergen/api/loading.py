@@ -104,7 +104,7 @@ def _find_kind(name: str | Path) -> str:
             shipped.find(name)  # raises, with every name there is
     if len(kinds) > 1:
         choices = " or ".join(f"kind={kind!r}" for kind in kinds)
-        raise InputError(f"{str(name)!r}: may be more than one thing: give {choices}")
+        raise InputError(f"{str(name)!r}: its keys fit more than one kind of file. Give {choices}.")
     return kinds[0]
 
 

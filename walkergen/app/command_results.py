@@ -30,7 +30,8 @@ def read_picture(document: Document, folder: Path) -> dict[str, str]:
     try:
         data = path.read_bytes()[:MAX_PICTURE_BYTES]
     except OSError:
-        raise InputError(f"{documents.SOURCE}: the effects of this walker have not been measured") from None
+        message = f"{documents.SOURCE}: the effects of this walker have not been measured. Measure them first."
+        raise InputError(message) from None
     return {"picture": web_page.data_url("image/png", data)}
 
 

@@ -85,7 +85,7 @@ def collect_files(document: Document, choice: FileChoice, folder: Path) -> tuple
     paths = sorted(path for path in target.glob(FILE_PATTERNS[choice.what]) if path.is_file())
     paths = [path for path in paths if not path.name.startswith(".")]
     if not paths:
-        raise InputError(f"{documents.SOURCE}: these files have not been made yet")
+        raise InputError(f"{documents.SOURCE}: these files have not been made yet. Make them first.")
     if len(paths) == 1:
         return paths[0].name, paths[0].read_bytes(), commands
     what = "" if choice.what == "zip" else f"-{choice.what}"

@@ -86,6 +86,6 @@ def _dump_shape(path: Path, target: Path) -> str:
     from walkergen.files import templates
 
     if Design.data_from_file(path) is None:
-        raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")
+        raise InputError(f"{path}: cannot be copied. Give the name of a template, or a drawing, a picture or a mesh.")
     design = read_section(path, Design).with_explicit_leg_positions().with_paths_relative_to(target.parent)
     return templates.to_toml(design, f"Walker of {path.name}", every=False)

@@ -69,8 +69,8 @@ class CheckRequest(request.Request):
 
         if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESH_SUFFIXES:
             raise InputError(
-                f"‹weigh›: {str(self.design)[:60]!r} is not a mesh. Expected one of {', '.join(MESH_SUFFIXES)}",
-                "design",
+                f"‹design=›{str(self.design)[:60]!r}: ‹weigh› needs a mesh file ({', '.join(MESH_SUFFIXES)}).", "design"
             )
-        self.check_unset("not with ‹weigh›", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
+        unused = ("tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
+        self.check_unset("cannot be combined with ‹weigh›", *unused)
         return weigh_report.make_report(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)

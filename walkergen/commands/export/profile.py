@@ -36,7 +36,7 @@ def drawing_outlines(design: Design) -> list[Polygon]:
         return side_profile(design)
     elif design.body.mesh:
         why = "its body is a mesh"
-    raise InputError(f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}. Export it as stl or 3mf.")
+    raise InputError(f"{design.name}: has no drawing as {' or '.join(FORMATS)}: {why}. Export it as stl or 3mf.")
 
 
 def side_profile(design: Design) -> list[Polygon]:
@@ -50,7 +50,7 @@ def side_profile(design: Design) -> list[Polygon]:
     legs = [part + np.array(limb.anchor) for limb, parts in zip(design.limbs, limbs, strict=True) for part in parts]
     united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
     if not isinstance(united, shapely.Polygon):
-        raise SolidError(f"the profile of {design.name} is not one piece: {united.geom_type}")
+        raise SolidError(f"{design.name}: its side view is not one piece. Make the legs touch the body.")
     least = MIN_WINDOW_RATIO * united.area  # as in the solid: slivers are no windows
     holes = [ring for ring in united.interiors if shapely.Polygon(ring).area > least]
     oriented = shapely.orient_polygons(shapely.Polygon(united.exterior, holes))

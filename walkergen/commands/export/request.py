@@ -78,7 +78,7 @@ class ExportRequest(request.Request):
         if self.sweep is not None:
             from walkergen.commands.export import sweep_export
 
-            self.check_unset("set by the file of ‹sweep›", "design", "tilt", "legs", "caps", "set")
+            self.check_unset("cannot be combined with ‹sweep›", "design", "tilt", "legs", "caps", "set")
             if single or moving:
                 raise InputError("‹sweep›: writes only meshes and drawings. Give ‹format=›stl and a folder.", "sweep")
             return sweep_export.write(self.sweep, self.format, self.out, progress)

@@ -107,11 +107,11 @@ def read_inputs(request: PlateRequest) -> PlateInputs:
         members, copies = given.batch(design, request.tilt, request.legs, request.copies, whole=False)
         name = design.name
     else:
-        problem = f"set by ‹orders=›{str(request.orders)[:80]!r}"
+        problem = "cannot be combined with ‹orders›, whose list has designs, tilts, legs and copies"
         request.check_unset(problem, "design", "tilt", "legs", "copies")
         if "copies" in request.model_fields_set:  # 1, as by default, may contradict the list
             raise InputError(f"‹copies=›{request.copies}: {problem}. Remove it.", "copies")
-        given.check_unset(given.keys_of("design"), "the list of ‹orders› has the designs. Remove it.")
+        given.check_unset(given.keys_of("design"), f"{problem}. Remove it.")
         members, copies = order_list.read_orders(request.orders)
         name = output.safe_folder_name(request.orders)
     return PlateInputs(add_caps(members, request.caps), copies, given.printers(request.printer), name)

@@ -91,7 +91,8 @@ class SimulateRequest(request.Request):
         else:
             self.check_unset("has an effect only with ‹uncertain›", "out")
         if self.error is not None:
-            given.check_unset(ERROR_CHOSEN_KEYS, "chosen by ‹error›. Remove one of them.")
+            why = "cannot be combined with ‹error›, which chooses it. Remove one of them."
+            given.check_unset(ERROR_CHOSEN_KEYS, why)
         else:
             self.check_unset("has an effect only with ‹error›", "of")
         design = given.design(self.design)

@@ -125,7 +125,7 @@ class WalkerSpec(Section):
     def _check_leg_tilt(cls, value: float | None, info: ValidationInfo) -> float | None:
         """Reject a tilt for a list of legs if there are two equal legs."""
         if value is not None and isinstance(info.data.get("legs"), Legs):
-            raise ValueError("it applies to a list [[legs]]; two equal legs have legs.tilt_deg")
+            raise ValueError("applies only to a list of legs, [[legs]]. Two equal legs have legs.tilt_deg instead.")
         return value
 
     @model_validator(mode="before")

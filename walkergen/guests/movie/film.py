@@ -17,15 +17,15 @@ GIF_FPS = (1, 2, 4, 5, 10, 20, 25, 50)
 """Frames per second that a GIF can have: it counts in hundredths of a second."""
 
 DEFAULT_PERIODS, DEFAULT_PLAY_S = 6.0, 10.0
-"""Slow motion by default: periods of the drive that are shown, and seconds to watch."""
+"""Default number of the drive's periods that a film in slow motion shows, and its playing time, s."""
 
 DEFAULT_RACE_S = 3.0
-"""Length of a race by default, s, in real time."""
+"""Default simulated time, s, of a film from above, which plays in real time."""
 
-MIN_FRAMES, MAX_FRAMES, MAX_LANES = 2, 1000, 8
+MIN_FRAMES, MAX_FRAMES, MAX_LANES = 2, 1000, 8  # of a film; MAX_LANES: largest number of its walkers
 
 MIN_VALUE, MAX_VALUE = 1e-3, 1e6
-"""Limits of times (s), of periods and of slowing down."""
+"""Limits of `seconds` (s), `periods` and `slow`."""
 
 
 class Film(NamedTuple):
@@ -86,7 +86,7 @@ class MovieFiles(NamedTuple):
 
 
 def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene) -> Film:
-    """Return the film of a request. Raises InputError for invalid times or rates, or too many walkers or frames."""
+    """Return the film that a request describes. Raises InputError for invalid or contradictory options."""
     film, fps = Film(request, members, scene), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)
@@ -96,14 +96,18 @@ def plan_film(request: MovieRequest, members: Sequence[Design], scene: Scene) ->
         if value is not None and not MIN_VALUE <= value <= MAX_VALUE:
             raise InputError(f"‹{name}=›{value:g}: must lie in {MIN_VALUE:g}..{MAX_VALUE:g}")
     if len(members) > MAX_LANES:
-        raise InputError(f"{len(members)} walkers: a film shows at most {MAX_LANES}. Choose fewer tilts or legs.")
+        raise InputError(f"{len(members)} walkers: a film shows at most {MAX_LANES}. Give fewer with ‹tilt› or ‹legs›.")
     if request.seconds is not None and request.periods is not None:
         raise InputError("‹seconds› and ‹periods›: both set the duration. Leave one of them out.")
     if request.view == "perspective" and len(members) > 1:
         raise InputError(f"‹view=›perspective: shows one walker, not {len(members)}. Use ‹view=›above.")
     if not MIN_FRAMES <= film.frames <= MAX_FRAMES:
+        time = "seconds" if request.periods is None else "periods"
+        given = [name for name in (time, "slow") if getattr(request, name) is not None] or ["fps"]
+        options, plural = " ".join(f"‹{name}=›{getattr(request, name):g}" for name in given), "s" * (film.frames > 1)
         raise InputError(
-            f"{film.frames:.6g} frames ({film.seconds:g} s of the run, {format_pace(film.slow)}, {fps} a second): "
-            f"must lie in {MIN_FRAMES}..{MAX_FRAMES}. Change ‹seconds›, ‹slow› or ‹fps›."
+            f"{options}: the film would have {film.frames:.6g} frame{plural} ({film.seconds:g} s of the run, "
+            f"{format_pace(film.slow)}, {fps} a second). It must have {MIN_FRAMES}..{MAX_FRAMES}. "
+            f"Change ‹{time}›, ‹slow› or ‹fps›."
         )
     return film

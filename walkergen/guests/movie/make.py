@@ -39,8 +39,7 @@ HOLD_S = 1.5
 def run(request: MovieRequest, progress: Progress, expect: Expect) -> Report:
     """Film the walkers of a request, and return a report with the files. `expect`: receives a time estimate."""
     if request.out is not None and request.out.suffix.lower() != ".gif":
-        message = f"‹out=›{str(request.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
-        raise InputError(message, "out")
+        raise InputError(f"‹out=›{str(request.out)[:80]!r}: must end in .gif. The MP4 is written next to it.", "out")
     inputs = request.inputs()
     design = inputs.design(request.design)
     scene = inputs.scene(choose_scene(request.scene, [design]))
@@ -78,7 +77,7 @@ def make_movie(
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:
-    """Estimate the time to draw and write all frames by drawing one. The first, which takes longer, is drawn before."""
+    """Estimate the time to draw and write all frames from one frame. The first, which takes longer, is not counted."""
     draw(0)
     started = time.thread_time()
     draw(frames // 2)
@@ -86,7 +85,7 @@ def _expected_time(draw: "Draw", frames: int) -> Expected:
 
 
 def _prepare_drawing(film: Film, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
-    """Simulate all walkers. Return the function that draws a frame, the number of frames, and the simulated runs."""
+    """Simulate all walkers. Return the function that draws a frame, the number of frames, and the runs to draw."""
     from walkergen.guests.movie import top_view
 
     poses_per_frame = ABOVE_POSES_PER_FRAME if film.view == "above" else SLOW_POSES_PER_FRAME
@@ -104,14 +103,14 @@ def _prepare_drawing(film: Film, progress: Progress) -> tuple["Draw", int, Seque
 
 
 def _with_progress(film: Film, progress: Progress) -> Iterator[Design]:
-    """Yield the walkers of a film, and report progress for each."""
+    """Yield the walkers of a film, and report the progress before each one."""
     for number, design in enumerate(film.members):
         progress(f"simulating {make_title(design)}", number, len(film.members))
         yield design
 
 
 def simulate_shot(film: Film, design: Design, poses_per_frame: int) -> Shot:
-    """Simulate the first run of a walker for a film. Raises InputError if it ends before the second frame."""
+    """Simulate one run of a walker for a film. Raises InputError if it ends before the second frame."""
     interval = 1.0 / (film.request.fps * film.slow * poses_per_frame)
     # Half an interval more, so that rounding cannot lose the last pose.
     seconds = ((film.frames - 1) * poses_per_frame + 0.5) * interval
@@ -131,12 +130,9 @@ def make_title(design: Design) -> Title:
 
 
 def _friction_note(members: Sequence[Design]) -> str:
-    """Return words on the friction of feet whose own value replaces the scene's; "" without such feet."""
-    limbs = [limb for design in members for limb in design.limbs]
-    own = {limb.friction for limb in limbs if limb.friction is not None}
-    if not own:
-        return ""
-    return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
+    """Return a note on the friction of legs for which the design sets it, instead of the scene; "" without any."""
+    frictions = {leg.friction for design in members for leg in design.limbs if leg.friction is not None}
+    return f" (some feet: {', '.join(f'{friction:g}' for friction in sorted(frictions))})" if frictions else ""
 
 
 def format_settings(scene: Scene) -> str:

@@ -129,7 +129,7 @@ def make_span(key: str, low: float, high: float, source: str) -> Span:
     for end in (low, high):
         _parse_end(str(end), source)
     if not low < high:
-        raise InputError(f"{source}: the first bound must be less than the second.")
+        raise InputError(f"{source}: must be LOW:HIGH with LOW below HIGH.")
     return Span(key, low, high)
 
 
@@ -162,7 +162,8 @@ def _range_values(words: Sequence[str], source: str) -> list[float]:
     """Return the values of a range from the words FIRST, LAST and STEP, both ends included, as int if all are whole."""
     first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
-        raise InputError(f"{source}: step {step:g} does not lead from first to last")
+        sign = "positive" if first <= last else "negative"
+        raise InputError(f"{source}: step {step:g} does not lead from {first:g} to {last:g}. Write a {sign} step.")
     if (last - first) / step > MAX_VALUES:
         raise InputError(f"{source}: more than {MAX_VALUES} values. Use a larger step.")
     count = int((last - first) / step * (1 + 1e-12)) + 1  # 0.3 / 0.1 lies below 3

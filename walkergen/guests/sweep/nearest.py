@@ -18,7 +18,7 @@ BOUND_COLUMNS = "low_95_mm_s", "high_95_mm_s"
 def check_speed(names: Sequence[str]) -> None:
     """Raise InputError if the columns `names` of a table have no speed to compare with a desired one."""
     if SPEED_COLUMN not in names:
-        raise InputError("‹wish›: the points have no speed. Add speed to ‹keep›.", "wish")
+        raise InputError("‹wish›: needs speeds, but the points have none. Add speed to ‹keep›.", "wish")
 
 
 def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:

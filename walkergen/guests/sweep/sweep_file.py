@@ -165,7 +165,7 @@ def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str
                 for key, _ in pairs:
                     if sum(key == other for other, _ in pairs) > 1:
                         place = _format_place(".".join((*path, last)), key, source, text)
-                        raise InputError(f"{place}: given twice, nested and in quotes")
+                        raise InputError(f"{place}: given twice, nested and in quotes. Remove one of them.")
     return flat
 
 

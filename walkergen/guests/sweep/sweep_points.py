@@ -75,9 +75,9 @@ class SweepPoints(NamedTuple):
         """Raise InputError for an unknown key, value, group or model, or if all points of a small sweep are invalid."""
         model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
-            raise InputError(f"‹error=›{self.wanted}: a prediction has no runs. Use ‹model=›space.")
+            raise InputError(f"‹error=›{self.wanted}: a prediction needs no error. Remove it, or give ‹model=›space.")
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
-            raise InputError(f"‹error=›{self.wanted}: is for the speed of one walker. Set scene.run.runs for crowds.")
+            raise InputError(f"‹error=›{self.wanted}: does not apply to crowds. Set scene.run.runs instead.")
         for key in self.space.keys:
             check_key(key, f"‹set› {key}")
             if model_kinds.kind_of(self.model) == ALONE:
@@ -145,7 +145,7 @@ def check_key(key: str, source: str) -> None:
 def check_not_crowd_key(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that applies only to crowds."""
     if model_kinds.kind_of_key(key) == "crowd":
-        raise InputError(f"{source}: is only for crowds. Leave ‹model› out, or give ‹model=›crowd.")
+        raise InputError(f"{source}: applies only to crowds. Leave ‹model› out, or give ‹model=›crowd.")
 
 
 def change_keys(

@@ -41,7 +41,7 @@ def _parse_entry(key: str, values: Any) -> Axis | Span:
     if isinstance(values, str):
         return axes.from_text(key, values, f"‹set› {key}={values[:60]!r}")
     if isinstance(values, Mapping):
-        raise InputError(f"{key}: is a table. Give a list of values.", key)
+        raise InputError(f"{key}: its value is a table. Give one value, or a list of values.", key)
     listed = list(values) if isinstance(values, Iterable) else [values]
     return axes.make_axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)
 
