@@ -244,7 +244,7 @@ def coloured(frame, colour, view):
     return int((np.abs(shown - wanted).max(axis=-1) < 8).sum())
 
 
-@pytest.mark.parametrize("view", [perspective.MAIN_PLACE, perspective.CLOSE_PLACE])
+@pytest.mark.parametrize("view", [perspective.MAIN_BOX, perspective.CLOSE_BOX])
 def test_corners_flash_from_their_landing_on(view):
     job, one = slow()
     glow = impacts.AFTERGLOW_S / job.slow
@@ -276,11 +276,11 @@ def test_corners_that_press_are_dotted():
     draw = in_perspective(one._replace(impacts=()), job)
     closed = one.poses.closed[:: movie.SLOW_POSES_PER_FRAME].any(axis=1)
     pressing, free = int(np.argmax(closed)), int(np.argmin(closed))
-    dark = [coloured(draw(frame), "#222222", perspective.CLOSE_PLACE) for frame in (pressing, free)]
+    dark = [coloured(draw(frame), "#222222", perspective.CLOSE_BOX) for frame in (pressing, free)]
     shown = one._replace(poses=one.poses._replace(closed=np.zeros_like(one.poses.closed)))
     without = in_perspective(shown._replace(impacts=()), job)
-    assert dark[0] > coloured(without(pressing), "#222222", perspective.CLOSE_PLACE) + 8
-    assert dark[1] == coloured(without(free), "#222222", perspective.CLOSE_PLACE)
+    assert dark[0] > coloured(without(pressing), "#222222", perspective.CLOSE_BOX) + 8
+    assert dark[1] == coloured(without(free), "#222222", perspective.CLOSE_BOX)
 
 
 def test_drawing_in_perspective_does_not_depend_on_frames_before():
@@ -296,7 +296,7 @@ def test_a_long_run_is_followed():
     far = np.outer(np.linspace(0, 1e3, len(one.times)), (1.0, 0.0, -0.5))
     moved = one.poses._replace(places=one.poses.places + far, corners=one.poses.corners + far[:, None])
     draw = in_perspective(one._replace(poses=moved), job)
-    seen = [coloured(draw(frame), "#9AB4CA", perspective.MAIN_PLACE) for frame in (0, job.frames - 1)]
+    seen = [coloured(draw(frame), "#9AB4CA", perspective.MAIN_BOX) for frame in (0, job.frames - 1)]
     assert seen[0] > 5_000
     assert seen[1] == pytest.approx(seen[0], rel=0.05)
 

@@ -28,7 +28,7 @@ MAX_STILL_LENGTHS = 1.5
 
 
 class Style(NamedTuple):
-    """Look of one kind of impact, and its name in numerals and in words. Colours after Okabe and Ito."""
+    """Colour (after Okabe and Ito) and marker of one kind of impact, and its name in numerals and in words."""
 
     colour: str
     marker: str
@@ -48,7 +48,7 @@ FIRST_FOOT_COLOURS = ("#222222", "#AA4499")
 """Colours of the first two feet."""
 
 FURTHER_FOOT_COLOURS = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
-"""Colours of feet beyond two, from the first of them on, again and again."""
+"""Colours of the third foot and all others, used again from the start if there are more feet."""
 
 
 def foot_colour(foot: int) -> str:
@@ -67,7 +67,7 @@ def movie_colours(feet: int) -> tuple[str, ...]:
 
 
 def impact_style(kind: Kind) -> Style:
-    """Return the look of a kind of impact. A mirrored kind (backward) is like its twin, with a minus in the name."""
+    """Return the style of a kind of impact. A mirrored kind (backward) has its twin's, with a minus in the name."""
     if kind in STYLES:
         return STYLES[kind]
     twin = STYLES[Kind(-kind)]
@@ -89,7 +89,7 @@ def draw_legend(canvas: Canvas, x: float, y: float) -> None:
 
 
 class Course(NamedTuple):
-    """Heights of a foot's corner over time, with the look of its curve."""
+    """Curve of the height of one corner of a foot over time: its name, colour, dashes and values."""
 
     name: str
     colour: str
@@ -98,13 +98,13 @@ class Course(NamedTuple):
     """Heights at the times of the shot, shape (n,), mm."""
 
 
-def draw_heights(canvas: Canvas, place: PixelBox, shot: Shot, feet: list[Course]) -> Line2D:
+def draw_heights(canvas: Canvas, box: PixelBox, shot: Shot, feet: list[Course]) -> Line2D:
     """Draw the heights of plate and feet over time with all impacts. Return the line that marks the current time.
 
-    `place`: rectangle of the plot, pixels. `feet`: curves of the corners, in the order of the numbers in `Impact.foot`.
+    `box`: rectangle of the plot. `feet`: curve of each corner of a foot, in the order of the numbers in `Impact.foot`.
     """
-    axes = canvas.add_axes(*place)
-    canvas.add_text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
+    axes = canvas.add_axes(*box)
+    canvas.add_text(box.left - 34, box.bottom + box.height + 8, "heights, µm", fontsize=SMALL_PT)
     times, heights = 1e3 * shot.times, 1e3 * np.array([course.heights for course in feet])
     plate = 1e3 * shot.plate_heights
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
@@ -153,10 +153,10 @@ def _draw_marks(axes: Axes, shot: Shot, feet: list[Course]) -> None:
 
 
 class Flash(NamedTuple):
-    """Signs of an impact at a foot."""
+    """Marks of an impact at a foot: an arrow and a burst."""
 
     arrow: FancyArrowPatch
-    """Impulse, which ends at the foot."""
+    """Arrow in the direction of the impulse. It ends at the foot."""
     burst: Line2D
 
 
@@ -169,7 +169,7 @@ def add_flash(axes: Axes) -> Flash:
 
 
 def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tail: Array, foot: Array) -> None:
-    """Set the burst and the arrow of a flash to an impact, with sizes that grow with its impulse.
+    """Change the burst and the arrow of a flash to those of an impact. Their sizes grow with its impulse.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tai
     brightness : float
         Brightness, 0 to 1.
     largest : float
-        Impulse that has the largest signs, g mm/s.
+        Impulse for which burst and arrow are largest, g mm/s.
     tail, foot : ndarray
         Both ends of the arrow, shape (2,). The burst is at the foot.
     """
@@ -193,7 +193,7 @@ def show_flash(flash: Flash, hit: Impact, brightness: float, largest: float, tai
 
 
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
-    """Return a canvas with heading and legend, and an empty text for numbers. `slow`: as in `format_pace`."""
+    """Return a canvas with heading and legend, and its empty line of text, which each frame sets."""
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
     canvas.add_text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)
@@ -203,7 +203,7 @@ def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
 
 
 def format_moment(time: float, phase: float, distance: float) -> str:
-    """Format time (s), phase of the drive (rad), distance run (mm) and mean speed as a line."""
+    """Format time (s), phase of the drive (rad), distance covered (mm) and mean speed as a line."""
     speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
     turn = np.degrees(phase) % 360.0
     return f"{1e3 * time:6.1f} ms   phase {turn:3.0f}°   ran {distance:6.2f} mm   so far {speed}"
@@ -215,9 +215,9 @@ def largest_impulse(shot: Shot) -> float:
 
 
 def strongest_impact(shot: Shot, time: float, afterglow: float, foot: int) -> tuple[Impact, float] | None:
-    """Return the impact to show at a foot at `time`, and its brightness (1 down to 0); None without one.
+    """Return the impact to show at a corner of a foot at `time`, and its brightness (0 to 1); None without one.
 
-    Of the impacts within the last `afterglow` seconds, it is that with the largest impulse times brightness.
+    It has the largest impulse times brightness. The brightness falls from 1 to 0 within `afterglow` seconds.
     """
     shown = [
         (hit, 1.0 - (time - hit.time) / afterglow)

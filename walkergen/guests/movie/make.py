@@ -24,13 +24,13 @@ AT_REST_UM = 1e-6
 """Amplitude below which a plate is reported to be at rest, um."""
 
 SLOW_POSES_PER_FRAME = 8
-"""Poses for each frame in slow motion: the curves show what happens between frames."""
+"""Simulated poses for each frame in slow motion, so that the curves of heights show motion between frames."""
 
 ABOVE_POSES_PER_FRAME = 4
-"""Poses for each frame from above: the trail bends between frames."""
+"""Simulated poses for each frame from above, so that trails are smooth."""
 
 WRITE_TIME_RATIO = 1.5
-"""Time of a frame, written, over that of drawing it."""
+"""Time to draw and write a frame, over the time to draw it."""
 
 HOLD_S = 1.5
 """Duration of the last frame before the GIF starts again, s."""

@@ -35,18 +35,18 @@ from walkergen.guests.movie.impacts import (
 from walkergen.guests.movie.raster import Camera
 from walkergen.guests.movie.shot import Impact, Shot
 
-MAIN_PLACE = PixelBox(10, 272, 780, 262)
-CLOSE_PLACE = PixelBox(12, 12, 484, 214)
-STRIP_PLACE = PixelBox(544, 42, 242, 166)
-"""Places of the views."""
+MAIN_BOX = PixelBox(10, 272, 780, 262)
+CLOSE_BOX = PixelBox(12, 12, 484, 214)
+HEIGHTS_BOX = PixelBox(544, 42, 242, 166)
+"""Rectangles, in the picture, of the view of the walker, the view of its feet and the plot of their heights."""
 
-ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
+ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)  # possible magnifications of heights
 
 MAX_GAP_RATIO = 0.35
-"""Largest gap as the magnified view shows it, over the distance of the feet."""
+"""Largest gap under a foot in the magnified view, over the distance between the feet."""
 
 MAX_BEND_RATIO = 0.3
-"""Largest bending of a leg as the magnified view shows it, over the largest gap."""
+"""Largest bending of a leg in the magnified view, over the largest gap."""
 
 MAX_LABELS = 8
 """Largest number of corners that are labelled with their heights."""
@@ -55,28 +55,29 @@ GROUND_COLOUR, LINE_COLOUR = "#e4e4e1", "#c9c9c5"
 
 
 class View(NamedTuple):
-    """View of the plate in perspective."""
+    """View of the walker on the plate in perspective: its camera and the artists that change with each frame."""
 
     axes: Axes
     camera: Camera
     area: tuple[tuple[float, float], tuple[float, float]]
-    """Ends of the visible plate, along x and z from the followed point, mm."""
+    """Range of x and range of z of the visible plate, from the centre of the view, mm."""
     ground: PolyCollection
     lines: LineCollection
     flashes: list[Flash]
     dots: list[Line2D]
-    """Shown while corners press on the plate."""
+    """Dot of each corner, shown while the corner presses on the plate."""
     longest: float
-    """Length of the largest impulse's arrow, mm."""
+    """Length of the arrow of the largest impulse, mm."""
 
 
-class Close(NamedTuple):
-    """View of the feet, their heights over the plate magnified."""
+class CloseView(NamedTuple):
+    """View of the feet, with their heights over the plate magnified."""
 
     view: View
     zoom: int
+    """Magnification of heights over the plate."""
     bend: int
-    """Magnification of the legs' deflection: unbent, their feet would be so far below the plate."""
+    """Magnification of depths below the plate: the depth of a pressed foot is the bending of its leg."""
     edges: list[Line2D]
     drops: LineCollection
     labels: list[Text]
@@ -93,17 +94,17 @@ def make_draw_function(shot: Shot, poses_per_frame: int, slow: float, settings: 
     canvas.add_moving_artists(main.ground, main.lines, picture)
     _add_moving_signs(canvas, main)
     close = _make_close_view(canvas, shot, centres)
-    now = draw_heights(canvas, STRIP_PLACE, shot, _corner_courses(shot))
+    now = draw_heights(canvas, HEIGHTS_BOX, shot, _corner_courses(shot))
     canvas.add_moving_artists(readout)
     afterglow, R = AFTERGLOW_S / slow, shot.poses.rotations
 
     def draw(frame: int) -> Pixels:
         """Return the picture of a frame."""
         pose = min(frame * poses_per_frame, len(shot.times) - 1)
-        place = shot.poses.places[pose] - centres[pose]
-        pixels, left, low = raster.render(model, R[pose], place, main.camera, BODY_COLOUR, INK)
+        shift = shot.poses.places[pose] - centres[pose]
+        pixels, left, low = raster.render(model, R[pose], shift, main.camera, BODY_COLOUR, INK)
         picture.set_data(pixels)
-        picture.ox, picture.oy = left + MAIN_PLACE.left, low + MAIN_PLACE.bottom
+        picture.ox, picture.oy = left + MAIN_BOX.left, low + MAIN_BOX.bottom
         glows = [
             strongest_impact(shot, float(shot.times[pose]), afterglow, corner)
             for corner in range(len(shot.poses.names))
@@ -142,27 +143,39 @@ def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
     spacing = nice_ceil(0.05 * float(shot.size[0]))
     canvas.add_text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL_PT, ha="right")
     count = len(poses.names)
-    return _make_view(canvas, MAIN_PLACE, fitted, (x, z), 0.16 * float(shot.size[0]), count)
+    return _make_view(canvas, MAIN_BOX, fitted, (x, z), 0.16 * float(shot.size[0]), count)
 
 
 def _make_view(
     canvas: Canvas,
-    place: PixelBox,
+    box: PixelBox,
     points: Array,
     area: tuple[tuple[float, float], tuple[float, float]],
     longest: float,
     corners: int,
 ) -> View:
-    """Return a view in the rectangle `place` of the canvas, with a camera that shows all `points`, shape (n, 3), mm.
+    """Return a view in the rectangle `box` of the canvas, with a camera that shows all `points`, shape (n, 3), mm.
 
-    `area`: ends of the plate along x and z, mm. `longest`: length of the longest arrow, mm. `corners`: number of
-    corners of feet.
+    Parameters
+    ----------
+    canvas : Canvas
+        Picture to draw in.
+    box : PixelBox
+        Rectangle of the picture.
+    points : ndarray
+        Points that must be visible, shape (n, 3), mm.
+    area : tuple
+        Range of x and range of z of the visible plate, mm.
+    longest : float
+        Length of the longest arrow, mm.
+    corners : int
+        Number of corners of feet.
     """
-    axes = canvas.add_axes(*place)
+    axes = canvas.add_axes(*box)
     axes.set_axis_off()
-    axes.set_xlim(0, place.width)
-    axes.set_ylim(0, place.height)
-    camera = raster.fit_camera(points, (place.width, place.height))
+    axes.set_xlim(0, box.width)
+    axes.set_ylim(0, box.height)
+    camera = raster.fit_camera(points, (box.width, box.height))
     (left, right), (near, far) = area
     rim = np.array([(left, 0, near), (right, 0, near), (right, 0, far), (left, 0, far)])
     ground = PolyCollection(
@@ -177,12 +190,12 @@ def _make_view(
 
 
 def _add_moving_signs(canvas: Canvas, view: View) -> None:
-    """Register the bursts, dots and arrows of a view as artists to redraw in each frame."""
+    """Mark the bursts, dots and arrows of a view as moving parts of the canvas, redrawn in each frame."""
     for flash, dot in zip(view.flashes, view.dots, strict=True):
         canvas.add_moving_artists(flash.burst, dot, flash.arrow)
 
 
-def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
+def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> CloseView:
     """Return the view of the feet, heights magnified. `centres`: centre of the view at each pose, shape (n, 3), mm."""
     corners = shot.poses.corners - centres[:, None]
     flat = corners[..., [0, 2]].reshape(-1, 2)
@@ -196,10 +209,10 @@ def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     x, z = (left - margin, right + margin), (near - margin, far + margin)
     rim = np.array([(a, b, c) for a in x for c in z for b in (-bend * pressed, zoom * largest)])
     names = shot.poses.names
-    view = _make_view(canvas, CLOSE_PLACE, rim, (x, z), 0.22 * (right - left), len(names))
+    view = _make_view(canvas, CLOSE_BOX, rim, (x, z), 0.22 * (right - left), len(names))
     bent = f", bending of legs (below it) × {bend}" if pressed > 0.0 else ""
     words = f"feet, heights over the plate × {zoom}{bent}; numbers: µm"
-    canvas.add_text(CLOSE_PLACE.left, CLOSE_PLACE.bottom + CLOSE_PLACE.height + 4, words, fontsize=SMALL_PT)
+    canvas.add_text(CLOSE_BOX.left, CLOSE_BOX.bottom + CLOSE_BOX.height + 4, words, fontsize=SMALL_PT)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
     edges = [view.axes.plot([], [], color=foot_colour(k), linewidth=3.0)[0] for k in range(len(names) // 2)]
@@ -219,7 +232,7 @@ def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     canvas.add_moving_artists(view.ground, view.lines, drops, *edges)
     _add_moving_signs(canvas, view)
     canvas.add_moving_artists(*labels)
-    return Close(view, zoom, bend, edges, drops, labels)
+    return CloseView(view, zoom, bend, edges, drops, labels)
 
 
 def _corner_courses(shot: Shot) -> list[Course]:
@@ -239,7 +252,7 @@ def _corner_courses(shot: Shot) -> list[Course]:
 def _update_view(
     view: View, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Set the plate's lines, the dots and the flashes of a view to one pose.
+    """Change the plate's lines, the dots and the flashes of a view to those of one pose.
 
     Parameters
     ----------
@@ -254,7 +267,7 @@ def _update_view(
     corners : ndarray
         Corners of the feet from the centre, shape (c, 3), mm.
     glows : list
-        Impact to show at each corner and its brightness, or None.
+        For each corner the impact to show and its brightness (0 to 1), or None.
     """
     view.lines.set_segments(_plate_lines(view, shot, centre))
     seen = view.camera.project(corners)[:, :2]
@@ -273,7 +286,7 @@ def _update_view(
 
 
 def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
-    """Return the visible grid lines, fixed to the plate, shape (2, 2) each, pixels. `centre`: of the view, mm."""
+    """Return the two ends of each visible grid line of the plate, shape (2, 2), pixels. `centre`: of the view, mm."""
     spacing = nice_ceil(0.05 * float(shot.size[0]))
     (left, right), (near, far) = view.area
     segments = []
@@ -286,11 +299,24 @@ def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
 
 
 def _update_close_view(
-    close: Close, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
+    close: CloseView, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
-    """Set the view of the feet for the pose with index `pose`, with heights and bending magnified.
+    """Change the view of the feet to the pose with index `pose`, with heights and bending magnified.
 
-    `centre`: of the view, mm. `corners`: unmagnified, from it, shape (c, 3), mm. `glows`: as in `_update_view`.
+    Parameters
+    ----------
+    close : CloseView
+        View to change.
+    shot : Shot
+        Run that is shown.
+    pose : int
+        Index of the pose.
+    centre : ndarray
+        Centre of the view, shape (3,), mm.
+    corners : ndarray
+        Corners of the feet from the centre, not magnified, shape (c, 3), mm.
+    glows : list
+        For each corner the impact to show and its brightness (0 to 1), or None.
     """
     gaps = shot.poses.gaps[pose]
     on_plate = corners * (1.0, 0.0, 1.0)

@@ -21,7 +21,7 @@ AMBIENT = 0.5
 """Brightness of a face that the light only grazes."""
 
 SHARP_EDGE_COSINE = math.cos(math.radians(25.0))
-"""Cosine of the smallest angle between faces whose common edge is drawn."""
+"""Cosine of the smallest angle between the normals of two faces whose common edge is drawn."""
 
 SAMPLES_PER_PIXEL = 2
 """Samples along either side of a pixel."""
@@ -36,7 +36,7 @@ class Camera(NamedTuple):
     axes: Array
     """Rows to the right, up and toward the camera, shape (3, 3)."""
     eye: Array
-    """Place of the camera, shape (3,), mm."""
+    """Position of the camera, shape (3,), mm."""
     scale: float
     """Pixels per unit tangent of the angle from the line of sight."""
     offset: Array
@@ -65,7 +65,7 @@ def fit_camera(points: Array, size: tuple[float, float]) -> Camera:
 
 
 class Model(NamedTuple):
-    """Mesh made ready to be drawn."""
+    """Mesh with the data that drawing it requires."""
 
     mesh: Mesh
     normals: Array
@@ -93,14 +93,29 @@ def make_model(mesh: Mesh) -> Model:
 
 
 def render(
-    model: Model, R: Array, place: Array, camera: Camera, colour: str, ink: str
+    model: Model, R: Array, shift: Array, camera: Camera, colour: str, ink: str
 ) -> tuple[npt.NDArray[np.uint8], int, int]:
-    """Render a mesh that is rotated by R, shape (3, 3), and moved by `place`, shape (3,), mm.
+    """Render a mesh, first rotated and then moved, into the smallest picture that contains it.
 
-    Return the smallest RGBA picture that contains it, upper row first, and the pixels of that picture's left and lower
-    ends in the camera's picture. `colour` of faces and `ink` of edges are #rrggbb.
+    Parameters
+    ----------
+    model : Model
+        Mesh to render.
+    R : ndarray
+        Rotation matrix, shape (3, 3).
+    shift : ndarray
+        Displacement after the rotation, shape (3,), mm.
+    camera : Camera
+        Camera of the whole picture.
+    colour, ink : str
+        Colours of faces and of edges, #rrggbb.
+
+    Returns
+    -------
+    tuple
+        RGBA picture, upper row first, and the positions of its left and its lower edge in the camera's picture, pixels.
     """
-    projected = camera.project(model.mesh.vertices @ R.T + place)
+    projected = camera.project(model.mesh.vertices @ R.T + shift)
     left, low = np.floor(projected[:, :2].min(axis=0)).astype(int) - 1
     right, high = np.ceil(projected[:, :2].max(axis=0)).astype(int) + 2
     fine = np.column_stack([SAMPLES_PER_PIXEL * (projected[:, :2] - (left, low)), projected[:, 2]])
@@ -122,10 +137,16 @@ def _doubled_areas(corners: Array) -> Array:
 
 
 def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int) -> None:
-    """Draw a counter-clockwise triangle into a depth buffer, where it is nearer than all before.
+    """Draw a counter-clockwise triangle into the buffers, at samples where it is nearer than all earlier ones.
 
-    `number` and `near`, shape (height, width): number of the triangle at each sample, which becomes `value`, and
-    inverse distance. `corners`: x, y (samples) and inverse distance, shape (3, 3).
+    Parameters
+    ----------
+    number, near : ndarray
+        At each sample the index of the nearest triangle and its inverse distance (1/mm), shape (height, width) each.
+    corners : ndarray
+        x, y (samples) and inverse distance (1/mm) of each corner, shape (3, 3).
+    value : int
+        Index of the triangle.
     """
     (left, low), (right, high) = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
     x = np.arange(math.ceil(left - 0.5), math.floor(right - 0.5) + 1)
@@ -153,9 +174,18 @@ def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, v
 
 
 def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: Mask) -> None:
-    """Draw the visible sharp edges: set `number`, shape (height, width), to the ink's index, len(facing).
+    """Draw the visible sharp edges: set `number` there to len(facing), the index of the ink among the colours.
 
-    `near`: inverse distances. `points`: projected vertices, shape (v, 3). `facing`: triangles toward the camera.
+    Parameters
+    ----------
+    number, near : ndarray
+        Buffers, as in `_fill_triangle`.
+    points : ndarray
+        Projected vertices, shape (v, 3).
+    model : Model
+        Mesh whose edges are drawn.
+    facing : ndarray of bool
+        True for each triangle that faces the camera.
     """
     edges = model.edges[facing[model.edges[:, 2]] | facing[model.edges[:, 3]]]
     ends = points[edges[:, :2]]
@@ -171,7 +201,7 @@ def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model
 
 
 def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
-    """Return RGBA of faces, from normals (m, 3) in the camera's axes, then ink and transparent: shape (m + 2, 4)."""
+    """Return the RGBA colours of m faces with these normals in the camera's axes, of the ink, and of nothing."""
     light = LIGHT_DIRECTION / np.linalg.norm(LIGHT_DIRECTION)
     bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
     full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))

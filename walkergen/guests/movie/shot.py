@@ -1,4 +1,4 @@
-"""One run of the 3D simulation for a movie, a shot: the mesh, its poses and landings, and its title in words."""
+"""Shot of a movie: one run of the 3D simulation with the walker's mesh, its poses and landings, and a title."""
 
 from typing import NamedTuple
 
@@ -30,16 +30,16 @@ def make_impact(event: Array) -> Impact:
 
 
 class Title(NamedTuple):
-    """Words in a picture that distinguish its walker from others."""
+    """Text in a picture that distinguishes its walker from others."""
 
     design: str
     tilt: str
-    """Tilt of its legs with its unit."""
+    """Tilt of the walker's legs with its unit."""
     kind: str
 
     @property
     def legs(self) -> str:
-        """Tilt and kind of its legs."""
+        """Tilt and kind of the walker's legs."""
         return f"{self.tilt} {self.kind}"
 
     def __str__(self) -> str:
@@ -60,14 +60,14 @@ class Shot(NamedTuple):
     mesh: Mesh
     """Printed part about the point O that the poses follow, mm."""
     base: Array
-    """Middle of the body's rectangle from O, along it and across, shape (2,), mm."""
+    """Vector from O to the middle of the body's rectangle, along the body and across, shape (2,), mm."""
     size: Array
     """Length and depth of the body, shape (2,), mm."""
     contours: tuple[Array, ...]
-    """Body seen from above, from the middle of its rectangle: polygons, holes clockwise, mm."""
+    """Polygons of the body seen from above, from the middle of its rectangle, holes clockwise, mm."""
     poses: Poses
     impacts: tuple[Impact, ...]
-    """Landings in the order of their times; feet are the numbers of the corners."""
+    """Landings in the order of their times. Their `foot` is the number of a corner."""
 
     @property
     def name(self) -> str:
@@ -128,14 +128,17 @@ def point_in_mesh(design: Design, mass: MassProperties) -> Array:
 
 
 def body_outline(shot: Shot, pose: int) -> list[Array]:
-    """Return the polygons of the body from above, shape (n, 2) each (x, y), mm. `pose`: index of the pose."""
+    """Return the polygons of the body seen from above, in the plane of the plate, shape (n, 2) each, mm.
+
+    `pose`: index of the pose.
+    """
     place: Array = shot.track[pose]
     heading = shot.poses.heading[pose]
     return [place + rotate(shot.base + contour, heading) for contour in shot.contours]
 
 
 def foot_edges(shot: Shot, pose: int) -> Array:
-    """Return the edges of the feet from above, shape (feet, 2, 2), mm: each from its left to its right end (x, y)."""
+    """Return the left and the right end (x, y) of each foot seen from above, shape (feet, 2, 2), mm."""
     ends: Array = shot.poses.corners[pose][:, [0, 2]] * (1.0, -1.0)
     return ends.reshape(-1, 2, 2)
 

@@ -32,10 +32,10 @@ WIDTH_PX, MAX_ARENAS_PX = 900, 760
 """Width of the picture, and largest height of all its arenas, pixels."""
 
 HEAD_PX, TITLE_PX, FOOT_PX, MARGIN_PX = 54, 28, 44, 12
-"""Heights of the picture's head, of an arena's title and of the scale bar's row; margin."""
+"""Heights of the picture's heading, of the title of an arena and of the row with the scale bar, and margin, pixels."""
 
 ARROW_RATIO = 0.3
-"""Length of the heading's arrow over that of the body."""
+"""Length of the arrow that shows the walker's direction, over that of its body."""
 
 GROUND_COLOUR, TRAIL_COLOUR = "#f3f3f1", "#cc5a33"
 
@@ -50,13 +50,13 @@ class Window(NamedTuple):
 
 
 class Arena(NamedTuple):
-    """Arena of one walker."""
+    """Part of the picture for one walker, with the artists that change with each frame."""
 
     shot: Shot
     axes: Axes
     trail: Line2D
     dots: Line2D
-    """Places at round times."""
+    """Positions of the walker at round times."""
     body: PolyCollection
     feet: LineCollection
     arrow: FancyArrowPatch
@@ -69,8 +69,20 @@ def make_draw_function(
 ) -> Draw:
     """Return a function that draws frame k of a film: pose k * poses_per_frame of each run, or its last pose.
 
-    `slow`: seconds of film per second of the run. `settings`: text on the simulation. `period`: of the drive, s. `gap`:
-    distance of walls, mm; None without. Impacts are shown if a frame is shorter than a period.
+    Parameters
+    ----------
+    shots : sequence of Shot
+        Runs to show, in an arena each.
+    poses_per_frame : int
+        Simulated poses from one frame to the next.
+    slow : float
+        Seconds of film per second of the run.
+    settings : str
+        Line of text on scene and contact.
+    period : float
+        Period of the drive, s. Impacts are shown if a frame is shorter.
+    gap : float or None
+        Distance between the walls, mm; None without walls.
     """
     windows = [_window(shot, gap) for shot in shots]
     left, right = min(window.left for window in windows), max(window.right for window in windows)
@@ -114,7 +126,7 @@ def _shared_name(shots: Sequence[Shot]) -> str:
 
 
 def _window(shot: Shot, gap: float | None) -> Window:
-    """Return the window that contains the body and its arrow during a whole run, and walls `gap` mm apart, if any."""
+    """Return the window that contains the walker and its arrow during a whole run, and walls `gap` mm apart, if any."""
     shown = range(0, len(shot.poses.times), max(1, len(shot.poses.times) // 500))
     covered = np.concatenate([np.vstack([*body_outline(shot, pose), *_arrow_ends(shot, pose)]) for pose in shown])
     margin = 0.08 * float(shot.size[0])
@@ -124,7 +136,7 @@ def _window(shot: Shot, gap: float | None) -> Window:
 
 
 def _arrow_ends(shot: Shot, pose: int) -> Array:
-    """Return tail and tip of the heading's arrow at a pose, shape (2, 2), mm."""
+    """Return tail and tip of the arrow that shows the walker's direction at a pose, shape (2, 2), mm."""
     front, long = shot.base[0] + 0.5 * shot.size[0], ARROW_RATIO * shot.size[0]
     ends = np.array([(front, 0.0), (front + long, 0.0)])
     place: Array = shot.track[pose]
@@ -141,7 +153,25 @@ def _make_arena(
     gap: float | None,
     interval: float,
 ) -> Arena:
-    """Add a walker's arena to the canvas. Lengths in pixels. `middle`, `gap` of walls: mm. `interval` of dots: s."""
+    """Add a walker's arena to the canvas.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        Picture of all arenas.
+    shot : Shot
+        Run to show.
+    bottom, height : float
+        Lower edge and height of the arena, pixels.
+    middle : tuple
+        Point of the plate in its middle (x, y), mm.
+    scale : float
+        Pixels per mm.
+    gap : float or None
+        Distance between the walls, mm; None without walls.
+    interval : float
+        Time between dots on the trail, s.
+    """
     axes = canvas.add_axes(MARGIN_PX, bottom, WIDTH_PX - 2 * MARGIN_PX, height)
     set_scale(axes, middle, scale)
     axes.set_facecolor(GROUND_COLOUR)

@@ -10,7 +10,7 @@ from walkergen.guests.movie.shot import point_in_mesh
 from walkergen.points import poses
 
 POSES_PER_SECOND = 2000.0
-"""Poses a second: a hundredth of real time shows every bounce."""
+"""Poses for each simulated second: every bounce is visible at a hundredth of real time."""
 
 
 def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
@@ -47,7 +47,7 @@ def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
 
 
 def _caption(motion: poses.Poses, scene: Scene, name: str) -> str:
-    """Describe a simulated run, its scene and its length in a line. `name`: of the walker."""
+    """Describe a simulated run, its scene and its duration in a line. `name`: name of the walker."""
     drive = scene.drive
     ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
     shaking = drive.motor_in_words or (
