@@ -1,1 +1,1 @@
-"""Sweeps: a table of a walker's numbers over any keys of its design and its scene."""
+"""Sweeps: a table of a walker's speed and other quantities, over values of any keys of its design and its scene."""

@@ -1,4 +1,4 @@
-"""Axes of points: the values of a key, as lists or ranges, and samples between bounds."""
+"""Axes of a sweep: the values of each key, from lists, ranges, or samples between bounds."""
 
 import datetime
 import itertools
@@ -23,7 +23,7 @@ NUMBER_PATTERN = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-
 
 
 class Axis(NamedTuple):
-    """Values that a key takes."""
+    """Values of a key, one after the other in the sweep."""
 
     key: str
     values: tuple[Any, ...]
@@ -38,7 +38,7 @@ class Span(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """Points spread over the spans, by a scrambled Sobol sequence or a Latin hypercube."""
+    """Random points within the spans, from a scrambled Sobol sequence or a Latin hypercube."""
 
     spans: tuple[Span, ...]
     samples: int
@@ -47,7 +47,7 @@ class Sample(NamedTuple):
 
 
 class Space(NamedTuple):
-    """All combinations of the axes' values, the last axis fastest, each with every sample."""
+    """All combinations of the axes' values, each with every sample. The values of the last axis vary fastest."""
 
     axes: tuple[Axis, ...]
     sample: Sample | None = None
@@ -77,7 +77,7 @@ class Space(NamedTuple):
 
 
 def parse(text: str) -> Axis | Span:
-    """Parse KEY=1,2,3, KEY=FIRST:LAST:STEP or KEY=VALUE to an axis, KEY=LOW:HIGH to a span. Raises InputError."""
+    """Parse KEY=VALUE, KEY=1,2,3 or KEY=FIRST:LAST:STEP as an axis, KEY=LOW:HIGH as a span. Raises InputError."""
     key, value = assignments.split_key_value(text)
     return from_text(key, value, f"‹set› {text[:60]!r}")
 
@@ -159,7 +159,7 @@ def _split_list(text: str) -> list[str]:
 
 
 def _range_values(words: Sequence[str], source: str) -> list[float]:
-    """Return the values of a range from the words FIRST, LAST and STEP, both ends included, as int if all are whole."""
+    """Return the values of a range from its three words FIRST, LAST and STEP, as int if all three are whole numbers."""
     first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
         sign = "positive" if first <= last else "negative"

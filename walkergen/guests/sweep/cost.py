@@ -14,18 +14,18 @@ MAX_UNCONFIRMED_POINTS = 100_000
 """Largest number of points in a sweep that starts without confirmation of its cost."""
 
 PILOT_POINTS, PREDICTED_PILOTS, PILOT_DIVISOR = 5, 8, 3
-"""Number of simulated and of predicted points whose cost is measured, and smallest ratio of all points to these if each
-takes its first runs, as for a requested or an accepted error."""
+"""Number of simulated and of predicted points whose cost is measured, and smallest ratio of all points to these if the
+measurement needs first runs of each, as for a requested or an accepted error."""
 
 MIN_SWEEP_S, MIN_SIMULATION_S = 100.0, 0.1
 """Simulated time of a sweep below which its cost is not estimated; CPU time above which a point is simulated, s."""
 
 BYTES_PER_POINT = 300
-"""Most bytes that a point takes in table and store together, and again for each group it keeps."""
+"""Most bytes that a point takes in table and store together, plus the same for each group of quantities."""
 
 
 class Cost(NamedTuple):
-    """Time and room that a sweep will take."""
+    """Expected time and disk space of a sweep."""
 
     points: int
     seconds: float

@@ -18,17 +18,17 @@ from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
 
 TASKS_PER_WORKER = 4
-"""Tasks for each worker that are sent ahead, so that none is idle."""
+"""Number of tasks for each worker that wait at the same time, so that no worker is idle."""
 
 LOOKUP_BLOCK, POINTS_PER_TASK = 64, 8
-"""Number of points that are looked up together, and of predicted ones in a task: a prediction takes
-2 to 30 ms, and as a task of its own 1 ms more to be sent."""
+"""Number of points that are looked up in the store together, and number of predicted points in a task. A prediction
+takes 2 to 30 ms, and sending a task 1 ms."""
 
 MAX_UNSAVED_S = 0.5
-"""Time of a point in this process after which all finished ones are saved, s."""
+"""Evaluation time of a point in this process above which all finished points are saved at once, s."""
 
 MAX_PENDING = 4096
-"""Most points that are kept while an earlier one takes long: all are yielded in their order."""
+"""Largest number of finished points that wait for an earlier, slow one. Points are yielded in their order."""
 
 WORKER_LOST = (
     "a worker process ended, perhaps because the memory is full ({}). Finished points are kept. "
@@ -39,7 +39,7 @@ PointOrRefusal = Point | Record
 """Point, or the record of one that was refused before it can be evaluated."""
 
 Answer = tuple[str, list[Record]]
-"""Answer of a task: hash of the worker's sources, and the records of its points."""
+"""Result of a task: hash of the worker's source files, and the records of its points."""
 
 
 class Done(NamedTuple):
@@ -49,7 +49,7 @@ class Done(NamedTuple):
     """Key of the point; "" for one that was refused."""
     record: Record
     stored: bool
-    """True when the store had it."""
+    """True if the record comes from the store."""
 
 
 @dataclass(eq=False)
@@ -57,14 +57,14 @@ class _Task:
     """Points that are evaluated together."""
 
     points: dict[str, Point]
-    """By their keys."""
+    """Points by their keys in the store."""
     future: "Future[Answer]"
     again: bool = False
-    """Whether it was submitted a second time, after its first answer was lost."""
+    """Whether the task was submitted a second time, after its first result was lost."""
 
 
 class _Slot(NamedTuple):
-    """Point in the order: `done`, or still to come as the point with index `position` of a `task`."""
+    """Position in the order of points. It has the evaluated point `done`, or the index of its point in a `task`."""
 
     done: Done | None
     task: _Task | None = None
@@ -94,7 +94,7 @@ def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: Worker
 def _evaluate_by_pool(
     stream: Iterator[PointOrRefusal], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
-    """Yield the points in their order, evaluated by a pool. `under_way` is kept up to date: tasks not saved yet."""
+    """Yield the points in their order, evaluated by a pool. `under_way`: receives the tasks that are not saved yet."""
     slots: deque[_Slot] = deque()
     remaining, max_tasks = True, 1  # the first point alone: where kernels are new, it compiles for all
     while remaining or slots:
@@ -154,11 +154,11 @@ def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool)
     simulated = any(point.simulated for point in fresh.values())
     size = 1 if simulated else POINTS_PER_TASK
     fresh_keys = list(fresh)
-    places: dict[str, tuple[_Task, int]] = {}
+    positions: dict[str, tuple[_Task, int]] = {}
     for first in range(0, len(fresh_keys), size):
         part = {key: fresh[key] for key in fresh_keys[first : first + size]}
         task = _Task(part, _submit_task(part, pool))
-        places |= {key: (task, place) for place, key in enumerate(part)}
+        positions |= {key: (task, index) for index, key in enumerate(part)}
     slots = []
     for key, point in zip(keys, block, strict=True):
         if not isinstance(point, Point):
@@ -166,12 +166,12 @@ def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool)
         elif key in stored:
             slots.append(_Slot(Done(key, stored[key], True)))
         else:
-            slots.append(_Slot(None, *places[key]))
+            slots.append(_Slot(None, *positions[key]))
     return slots
 
 
 def _evaluate_task(points: Sequence[Point]) -> Answer:
-    """Evaluate points on a worker. Return a hash of its walkergen's sources, and the records."""
+    """Evaluate points on a worker. Return the hash of the worker's source files, and the records."""
     return digest(), [evaluate(point) for point in points]
 
 
@@ -194,7 +194,7 @@ def _can_retry(task: _Task) -> bool:
 
 
 def _task_records(future: "Future[Answer]") -> list[Record]:
-    """Return the records of a finished task. Raises WalkergenError if it failed or its worker has other sources."""
+    """Return the records of a finished task. Raises WalkergenError if it failed or its worker has another version."""
     try:
         sources, records = future.result()
     except BrokenExecutor as error:
@@ -210,7 +210,7 @@ def _task_records(future: "Future[Answer]") -> list[Record]:
 
 
 def _finish_slot(slot: _Slot) -> Done:
-    """Return the evaluated point of a slot, whose task, if it has one, must have ended."""
+    """Return the evaluated point of a slot. If the slot has a task, it must be finished."""
     if slot.done is not None:
         return slot.done
     assert slot.task is not None

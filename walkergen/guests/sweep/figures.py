@@ -1,6 +1,7 @@
 """Figures of a sweep: lines for one key, a map for two, small multiples for three, or clouds.
 
-Every figure can be read without colours, and shows the points that have no number.
+The shown quantity, usually the speed, is called the number. Every figure can be read without colours, and marks points
+without a number.
 """
 
 import math
@@ -25,19 +26,19 @@ from walkergen.guests.sweep.panels import Columns as Columns
 from walkergen.guests.sweep.scales import Scale, format_axis, format_value, make_scale
 
 MAX_LINES, MAX_PANELS = 5, 12
-"""Largest numbers of values of a key for a line each, and for a panel each."""
+"""Largest number of lines in a panel, and of panels in a figure: one for each value of a key."""
 
 MIN_GRID_SHARE = 0.5
-"""Share of all combinations of the values beyond which points are taken to lie on a grid."""
+"""Points lie on a grid if they are more than this share of all combinations of the values."""
 
 STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 """Style changes for many points."""
 
 
 def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
-    """Draw one quantity of all points against the keys that vary, as lines, a map, small multiples or clouds.
+    """Draw the number of all points against the keys that vary, as lines, a map, small multiples or clouds.
 
-    At least one key must have two values, and one point a number.
+    At least one key must have two values. At least one point must have a number.
     """
     scales = [make_scale(key, columns.keys[key]) for key in keys]
     scales = [scale for scale in scales if len(scale.values) > 1]
@@ -47,14 +48,14 @@ def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
         if not gridded:
             return _draw_clouds(columns, scales, title)
         # The key with most values lies along x, numbers before words; of equals the first.
-        ranked = sorted(scales, key=lambda scale: (scale.words, -len(scale.values)))
+        ranked = sorted(scales, key=lambda scale: (scale.has_words, -len(scale.values)))
         if len(scales) < 3:
             return _draw_single(columns, scales, ranked, title)
         return _draw_multiples(columns, scales, title)
 
 
 def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
-    """Draw one panel, lines or a map, for one or two keys. `ranked`: their scales, that of the x axis first."""
+    """Draw one panel with lines or a map, for one or two keys. `ranked`: the same scales, that of the x axis first."""
     with _make_sheet(title, 1) as (drawn, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
         if _has_lines(scales):
@@ -81,21 +82,21 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
     shown = _spread_numbers(len(panel_scale.values), MAX_PANELS)
     if left := len(panel_scale.values) - len(shown):
         title += f"; {left} of {len(panel_scale.values)} values of {panel_scale.key} left out"
-    inside = np.isin(panel_scale.which, shown)
+    inside = np.isin(panel_scale.indices, shown)
     columns, panel_scale, *others = _select_rows(columns, inside, (panel_scale, *others))
-    ranked = sorted(others, key=lambda scale: (scale.words, -len(scale.values)))
+    ranked = sorted(others, key=lambda scale: (scale.has_words, -len(scale.values)))
     with _make_sheet(title, len(shown)) as (drawn, panels, in_row):
         norm = draw.make_norm(columns.value)
-        for place, (number, axes) in enumerate(zip(shown, panels, strict=True)):
-            rows = panel_scale.which == number
+        for index, (number, axes) in enumerate(zip(shown, panels, strict=True)):
+            rows = panel_scale.indices == number
             if _has_lines(others):
                 draw.draw_lines(axes, columns, ranked[0], ranked[1], rows)
             else:
                 draw.draw_map(axes, columns, others[0], others[1], rows, norm)
             axes.set_title(format_value(panel_scale, number))
-            if place + in_row < len(panels):
+            if index + in_row < len(panels):
                 axes.xaxis.label.set_visible(False)
-            if place % in_row:
+            if index % in_row:
                 axes.yaxis.label.set_visible(False)
             elif _has_lines(others):
                 axes.set_ylabel(draw.value_label(columns))
@@ -121,10 +122,10 @@ def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figur
         title += f"; {left} keys left out" if left > 0 else ""
     all_rows = np.ones(len(columns.value), dtype=bool)
     with _make_sheet(title, len(scales)) as (drawn, panels, in_row):
-        for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
+        for index, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
             draw.draw_dots(axes, columns, scale, all_rows, LINE_STYLES[0], joined=False)
             format_axis(axes, "x", scale)
-            if place % in_row == 0:
+            if index % in_row == 0:
                 axes.set_ylabel(draw.value_label(columns, draw.MAX_CLOUD_BARS))
         _draw_legend(drawn, _mark_handles(columns))
     return drawn
@@ -134,14 +135,14 @@ def _spread_numbers(count: int, max_count: int) -> list[int]:
     """Return at most `max_count` evenly spread integers from 0 to count - 1, both included."""
     if count <= max_count:
         return list(range(count))
-    return [round(place * (count - 1) / (max_count - 1)) for place in range(max_count)]
+    return [round(index * (count - 1) / (max_count - 1)) for index in range(max_count)]
 
 
 def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
-    """Return (columns, scale, scale, ...) with only the rows where `rows` is True. The columns have no keys."""
+    """Return the columns, then each scale, reduced to the points where `rows` is True. The columns have no keys."""
     status = [status for status, inside in zip(columns.status, rows, strict=True) if inside]
     kept = Columns({}, columns.value[rows], columns.low[rows], columns.high[rows], status, columns.label)
-    return (kept, *(scale._replace(which=scale.which[rows]) for scale in scales))
+    return (kept, *(scale._replace(indices=scale.indices[rows]) for scale in scales))
 
 
 # Sheets, legends and colour bars
@@ -167,7 +168,7 @@ def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], in
 
 
 def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
-    """Draw the colour bar of panels, limited to the range of the numbers."""
+    """Draw one colour bar for all panels, limited to the range of the numbers."""
     mapped = matplotlib.cm.ScalarMappable(norm, draw.colour_map(norm))
     bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
     if np.ptp(shown := columns.value[~columns.missing]):
@@ -175,11 +176,11 @@ def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, col
 
 
 def _line_handles(columns: Columns, scales: Sequence[Scale]) -> list[Any]:
-    """Return the legend entries for each drawn line, a value of these scales, and for points with problems."""
+    """Return the legend entries for the lines, one for each value of these scales, and for points with problems."""
     handles: list[Any] = []
     for scale in scales:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), LINE_STYLES, strict=False):
-            if not columns.missing[scale.which == number].all():
+            if not columns.missing[scale.indices == number].all():
                 label = format_value(scale, number, named=False)
                 handles.append(Line2D([], [], color=colour, linestyle=dash, marker=marker, label=label))
     return handles + _mark_handles(columns)

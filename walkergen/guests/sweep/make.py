@@ -1,4 +1,4 @@
-"""The sweep itself: points evaluated, shared and taken up again; a table, pictures, a manifest."""
+"""Run of a sweep: it evaluates the points that are not stored, and writes a table, pictures and a manifest."""
 
 import hashlib
 import json
@@ -27,7 +27,7 @@ MAX_DRAWN_POINTS = 200_000
 
 
 MAX_LOCAL_POINTS = 512
-"""Number of predicted points that take less time here than processes take to start."""
+"""Number of predicted points up to which this process evaluates them: starting others would take longer."""
 
 
 def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepReport:
@@ -57,7 +57,7 @@ def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepRepor
 def make_sweep(
     request: SweepRequest, sweep: SweepPoints, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
-    """Evaluate all points of a sweep, write table.csv, table.parquet and pictures to a folder, and return the report.
+    """Evaluate all points of a sweep, write table.csv, table.parquet and pictures to a folder. Return the report.
 
     Stored points are not evaluated again. The table grows row by row, and finished rows are always kept. Raises
     InputError if another sweep writes to the folder or it has a foreign file of that name, OutputError when a file
@@ -86,7 +86,7 @@ def evaluate_all(
     request: SweepRequest, sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
     """Evaluate all points of a sweep and return the report, without files. Raises as `make_sweep` does."""
-    points = Points(sweep.space.keys, sweep.columns, sweep.main_number, kept=True)
+    points = Points(sweep.space.keys, sweep.columns, sweep.main_number, keeps_rows=True)
     for values, done in _evaluate_points(sweep, store, pool, progress):
         points.add(values, done)
     return report.make_report(sweep, points, wish=request.wish)
@@ -103,9 +103,9 @@ def _evaluate_points(
 
 
 def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) -> SweepReport | None:
-    """Return the report of an earlier run of the same sweep in the folder, if all of its files are unchanged.
+    """Return the report of an earlier run of the same sweep in the folder, or None if there is no complete one.
 
-    Return None otherwise, if pictures are missing, or if rows are requested, which the manifest does not contain.
+    It is incomplete if a file has changed, if pictures are missing, or if the request needs rows in its report.
     """
     facts = folder.earlier_manifest()
     unchanged = facts.get("request") == _sweep_hash(sweep) and "missing" in facts and folder.is_unchanged()
@@ -113,7 +113,7 @@ def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) ->
         return None
     if request.pictures and not any(name.endswith(".png") for name in facts["files"]):
         return None
-    points = Points(sweep.space.keys, sweep.columns, sweep.main_number, kept=False)
+    points = Points(sweep.space.keys, sweep.columns, sweep.main_number, keeps_rows=False)
     points.count = points.stored = sweep.space.point_count
     points.bad, points.missing, points.best = (facts[name] for name in ("bad", "missing", "best"))
     return report.add_files(report.make_report(sweep, points), folder.path, list(facts["files"]))

@@ -8,7 +8,7 @@ from walkergen.core import InputError, format_range
 from walkergen.files.report import Column, Table, format_value
 
 MAX_SHOWN = 5
-"""Number of points shown to people."""
+"""Number of nearest points that are printed."""
 
 SPEED_COLUMN = "speed_mm_s"
 BOUND_COLUMNS = "low_95_mm_s", "high_95_mm_s"
@@ -16,7 +16,7 @@ BOUND_COLUMNS = "low_95_mm_s", "high_95_mm_s"
 
 
 def check_speed(names: Sequence[str]) -> None:
-    """Raise InputError if the columns `names` of a table have no speed to compare with a desired one."""
+    """Raise InputError if a table has no speed to compare with a desired one. `names`: names of its columns."""
     if SPEED_COLUMN not in names:
         raise InputError("‹wish›: needs speeds, but the points have none. Add speed to ‹keep›.", "wish")
 
@@ -24,7 +24,7 @@ def check_speed(names: Sequence[str]) -> None:
 def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
     """Return the table sorted by distance from a desired speed, mm/s. `keys`: columns of the varied keys.
 
-    Points with print errors come after the others, points without a speed last. Only the first MAX_SHOWN are displayed.
+    Points with errors of printing come after the others, points without a speed last. MAX_SHOWN points are printed.
     """
     speed = table.keys.index(SPEED_COLUMN)
     errors = table.keys.index("print_errors") if "print_errors" in table.keys else None
@@ -40,7 +40,7 @@ def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
 
 
 def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Return the displayed columns: the varied `keys`, the speed and its bounds. `names`: columns of the rows."""
+    """Return the printed columns: the varied `keys`, the speed and its bounds. `names`: names of the rows' values."""
     columns = [_column(key, (names.index(key),), format_value) for key in keys]
     columns.append(_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
     if BOUND_COLUMNS[0] in names:

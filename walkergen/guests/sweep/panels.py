@@ -1,6 +1,7 @@
 """Panels of the figures of a sweep: lines, a map or a cloud of points in given axes.
 
-Points that have no number are crosses below the axis, or hatched cells; those in doubt have open symbols.
+The number is the shown quantity, usually the speed. Points without a number are crosses below the axis, or hatched
+cells. Points in doubt have open symbols.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,20 +25,20 @@ MAX_CLOUD_BARS = 1000
 """Largest number of points in a cloud with visible error bars."""
 
 MIN_CONTOUR_VALUES, MIN_CONTOUR_SHARE = 4, 0.75
-"""Values that both keys of a map need for contours between them, and the share of points that have a number."""
+"""A map has contours if both keys have this many values, and if this share of the points has a number."""
 
 LABEL_DISTANCE, CONTOUR_DISTANCE = 0.18, 0.05
-"""Distances of a contour's label from other labels and from other contours, at least, as shares of
-the panel's width and height."""
+"""Smallest distance of a contour's label from other labels, and from other contours, as shares of the panel's width
+and height."""
 
 ROW_PT = 6.0
-"""Distance of the row of points without a number below the axis, points."""
+"""Distance below the axis of the row of crosses for points without a number, in points of 1/72 inch."""
 
 MAX_SMALL_SHARE = 0.05
-"""Share of the largest number up to which negative ones do not centre the colours on zero."""
+"""Colours are not centred on zero if the negative numbers are below this share of the largest number."""
 
 MAX_CORNERS = 200
-"""Corners of a contour among which its label is placed."""
+"""Largest number of corners of a contour that are compared as positions of its label."""
 
 # Okabe and Ito's colours; dash and marker distinguish them in grey.
 LINE_STYLES: tuple[tuple[str, Any, str], ...] = (
@@ -63,12 +64,12 @@ MISSING_STYLE: Any = {"facecolor": "0.92", "edgecolor": "0.35", "hatch": "xxxx",
 
 
 class Columns(NamedTuple):
-    """Columns of a table of points, a row each."""
+    """Columns of a table with a row for each point."""
 
     keys: Mapping[str, Sequence[Any]]
     """Values of each key, numbers or words."""
     value: Array
-    """Numbers that are shown, mostly speeds; NaN for points that have none."""
+    """Shown quantity, usually the speed; NaN for points without it."""
     low: Array
     high: Array
     """Bounds of 95 % of the numbers; NaN where they are unknown."""
@@ -114,15 +115,15 @@ def _line_colour(norm: Normalize, value: float) -> str:
 
 
 def draw_lines(axes: Axes, columns: Columns, x: Scale, line_scale: Scale | None, rows: Mask) -> None:
-    """Draw the points where `rows` is True over the key `x`, with a line for each value of the key `line_scale`."""
+    """Draw the points where `rows` is True against the key `x`, with a line for each value of the key `line_scale`."""
     count = 1 if line_scale is None else len(line_scale.values)
     for number in range(count):
-        chosen = rows if line_scale is None else rows & (line_scale.which == number)
-        shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
-        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], joined=not x.words, shift=shift)
+        chosen = rows if line_scale is None else rows & (line_scale.indices == number)
+        shift = 0.14 * (number - 0.5 * (count - 1)) if x.has_words else 0.0
+        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], joined=not x.has_words, shift=shift)
     format_axis(axes, "x", x)
     shown = columns.value[~columns.missing]
-    if x.words:
+    if x.has_words:
         axes.set_xlim(-0.6, len(x.values) - 0.4)
     if shown.min() < 0 < shown.max():
         axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=0)
@@ -152,27 +153,27 @@ def draw_dots(
     """
     colour, dash, marker = style
     order = np.flatnonzero(rows)[np.argsort(x.row_positions[rows], kind="stable")]
-    places, value = x.row_positions[order] + shift, columns.value[order]
+    positions, value = x.row_positions[order] + shift, columns.value[order]
     low, high = columns.low[order], columns.high[order]
     bounded = np.isfinite(low) & np.isfinite(high) & np.isfinite(value)
     crowded = len(order) > MAX_BARS
     if joined:
-        axes.plot(places, value, linestyle=dash, color=colour)
+        axes.plot(positions, value, linestyle=dash, color=colour)
     if crowded and joined and bounded.any():
-        axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
+        axes.fill_between(positions, low, high, color=colour, alpha=0.2, linewidth=0)
     elif bounded.any() and len(order) <= MAX_CLOUD_BARS:
         lengths = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
         looks: Any = {"fmt": "none", "ecolor": colour, "elinewidth": 0.8, "alpha": 0.5 if crowded else 1.0}
-        axes.errorbar(places[bounded], value[bounded], lengths, **looks)
+        axes.errorbar(positions[bounded], value[bounded], lengths, **looks)
     doubtful = columns.doubtful[order]
     plain = np.flatnonzero(~doubtful & np.isfinite(value))
     if crowded and joined:  # enough of them to tell the lines apart
         plain = plain[:: max(1, len(plain) // 12)]
     dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3}
     dots["rasterized"] = len(order) > MAX_CLOUD_BARS
-    axes.plot(places[plain], value[plain], **dots)
-    axes.plot(places[doubtful], value[doubtful], markerfacecolor="white", **dots)
-    missing = places[np.isnan(value)]
+    axes.plot(positions[plain], value[plain], **dots)
+    axes.plot(positions[doubtful], value[doubtful], markerfacecolor="white", **dots)
+    missing = positions[np.isnan(value)]
     if len(missing):  # in one row between the axis and its numbers: on the axis they would read as speeds
         row = axes.get_xaxis_transform() + ScaledTranslation(0.0, -ROW_PT / 72.0, axes.figure.dpi_scale_trans)
         axes.plot(missing, np.zeros(len(missing)), "x", color="black", transform=row, clip_on=False)
@@ -180,7 +181,7 @@ def draw_dots(
 
 
 def value_label(columns: Columns, max_points: int | None = None) -> str:
-    """Return the label of the number's axis. It mentions bounds if there are any, and at most `max_points` points."""
+    """Return the label of the number's axis. It mentions bounds if points have any and are at most `max_points`."""
     bounded = np.isfinite(columns.low).any() and (max_points is None or len(columns.low) <= max_points)
     return f"{columns.label}, bounds of 95 %" if bounded else columns.label
 
@@ -194,7 +195,7 @@ def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm:
     Contours need numeric keys and few missing numbers. `rows`: True for points to draw, shape (n,).
     """
     value = np.full((len(y.values), len(x.values)), np.nan)
-    value[y.which[rows], x.which[rows]] = columns.value[rows]
+    value[y.indices[rows], x.indices[rows]] = columns.value[rows]
     mesh = axes.pcolormesh(cell_edges(x), cell_edges(y), value, cmap=colour_map(norm), norm=norm, rasterized=True)
     format_axis(axes, "x", x)
     format_axis(axes, "y", y)
@@ -203,7 +204,7 @@ def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm:
         _hatch_cells(axes, x, y, missing)
     if doubtful.any():
         axes.plot(x.row_positions[doubtful], y.row_positions[doubtful], **DOUBTFUL_STYLE, zorder=4)
-    smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= MIN_CONTOUR_VALUES
+    smooth = not x.has_words and not y.has_words and min(len(x.values), len(y.values)) >= MIN_CONTOUR_VALUES
     smooth = smooth and bool(np.isfinite(value).mean() >= MIN_CONTOUR_SHARE)
     if smooth and np.nanmin(value, initial=np.inf) < np.nanmax(value, initial=-np.inf):
         _draw_contours(axes, x, y, np.ma.masked_invalid(value), norm)
@@ -215,7 +216,7 @@ def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
     across, up = cell_edges(x), cell_edges(y)
     cells = [
         [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
-        for i, j in zip(x.which[missing], y.which[missing], strict=True)
+        for i, j in zip(x.indices[missing], y.indices[missing], strict=True)
     ]
     axes.add_collection(PolyCollection(cells, **MISSING_STYLE))
 
@@ -230,13 +231,13 @@ def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize
         "colors": [_line_colour(norm, level) for level in levels],
         "linestyles": ["--" if level < 0 else "-" for level in levels],
     }
-    lines = axes.contour(x.places, y.places, value, levels=levels, linewidths=0.8, **looks)
+    lines = axes.contour(x.positions, y.positions, value, levels=levels, linewidths=0.8, **looks)
     segments = [np.concatenate(parts) for parts in lines.allsegs if len(parts)]
     segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
-    axes.clabel(lines, fmt="%g", fontsize=7, manual=_label_places(axes, segments))
+    axes.clabel(lines, fmt="%g", fontsize=7, manual=_label_positions(axes, segments))
 
 
-def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
+def _label_positions(axes: Axes, lines: Sequence[Array]) -> list[Array]:
     """Return positions of labels, shape (2,) each: on each line where others are farthest, none if they are near.
 
     `lines`: contours, shape (n, 2) each, in data units. Distances are measured in widths and heights of the panel.
@@ -246,18 +247,18 @@ def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
     lines = [line[:: 1 + len(line) // MAX_CORNERS] for line in lines]
     shares = [to_panel.transform(line) for line in lines]
     chosen: list[Array] = []
-    places: list[Array] = []
+    positions: list[Array] = []
     for number, share in enumerate(shares):
         others = np.concatenate([*shares[:number], *shares[number + 1 :], np.full((1, 2), 9.0)])  # 9: far outside
         distance = np.abs(share[:, None] - others).max(axis=2).min(axis=1)
         distance = np.minimum(distance, np.minimum(share, 1 - share).min(axis=1))
-        for place in chosen:
-            distance = np.where(np.abs(share - place).max(axis=1) < LABEL_DISTANCE, 0.0, distance)
+        for position in chosen:
+            distance = np.where(np.abs(share - position).max(axis=1) < LABEL_DISTANCE, 0.0, distance)
         best = int(distance.argmax())
         if distance[best] > CONTOUR_DISTANCE:
             chosen.append(share[best])
-            places.append(lines[number][best])
-    return places
+            positions.append(lines[number][best])
+    return positions
 
 
 # Clouds

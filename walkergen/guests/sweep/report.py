@@ -1,4 +1,4 @@
-"""Report of a sweep: its answer, its rows, and its figures."""
+"""Report of a sweep: a sentence with its result, its rows, and its figures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MAX_REASONS = 3
-"""Maximum number of reasons for missing numbers in the answer."""
+"""Maximum number of reasons for missing values in the sentence with the result."""
 
 
 @dataclass
@@ -30,24 +30,24 @@ class Points:
     keys: Sequence[str]
     """Keys that vary."""
     names: Sequence[str]
-    """Names of the numbers of a row, beyond those of the keys."""
+    """Names of the other values of a row: quantities and status."""
     main: Picture | None
-    """Number that answers: the speed or, for crowds, the first that is kept; None without any."""
-    kept: bool
-    """True for rows that are kept in memory, for a figure or for the caller."""
+    """Main quantity: the speed or, for crowds, the first of the requested quantities; None without any."""
+    keeps_rows: bool
+    """True if rows stay in memory, for a figure or for the caller."""
     count: int = 0
     stored: int = 0
-    """Number of those that an earlier run, or another sweep, had evaluated."""
+    """Number of points that an earlier run, or another sweep, had evaluated."""
     bad: dict[str, int] = field(default_factory=dict)
-    """Number of points by status, for all but "ok"."""
+    """Number of points by status, for every status except "ok"."""
     missing: dict[str, int] = field(default_factory=dict)
-    """Number of points without the main number, by reason."""
+    """Number of points without the main quantity, by reason."""
     best: dict[str, Any] = field(default_factory=dict)
-    """Values of the keys, and numbers, of the point with the largest main number."""
+    """Keys and all other values of the point with the largest main quantity."""
     rows: list[tuple[Any, ...]] = field(default_factory=list)
 
     def add(self, values: Sequence[Any], done: Done) -> None:
-        """Count a point, and store its row if `kept`. `values`: of the varied keys."""
+        """Count a point, and store its row if `keeps_rows`. `values`: values of the varied keys."""
         self.count += 1
         self.stored += done.stored
         if (status := str(done.record[WENT_KEY])) != PointStatus.OK:
@@ -59,13 +59,13 @@ class Points:
                 self.missing[reason] = self.missing.get(reason, 0) + 1
             elif not self.best or value > self.best[self.main.value]:
                 self.best = {**dict(zip(self.keys, values, strict=True)), **done.record}
-        if self.kept:
+        if self.keeps_rows:
             self.rows.append((*values, *map(done.record.get, self.names)))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SweepReport(Report):
-    """Points of a sweep, one row each: the keys that vary, then numbers with their bounds."""
+    """Points of a sweep, one row each: the keys that vary, then quantities with their bounds."""
 
     keys: tuple[str, ...]
     """Keys that vary."""
@@ -77,9 +77,18 @@ class SweepReport(Report):
 def make_report(
     sweep: SweepPoints, points: Points, warnings: Sequence[str] = (), wish: float | None = None
 ) -> SweepReport:
-    """Return the report of evaluated points. If `points` kept no rows, its table is empty and there is no figure.
+    """Return the report of evaluated points. If `points` has no rows, the table is empty and there is no figure.
 
-    `warnings`: about an earlier table in the folder. `wish`: desired speed, mm/s: the nearest points come first.
+    Parameters
+    ----------
+    sweep : SweepPoints
+        Sweep of the points.
+    points : Points
+        Evaluated points.
+    warnings : sequence of str
+        Warnings about an earlier table in the folder.
+    wish : float, optional
+        Desired speed, mm/s. The points nearest to it come first.
     """
     keys, title = sweep.space.keys, sweep.title
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
@@ -103,7 +112,7 @@ def make_report(
 
 
 def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
-    """Return the report with the `names` of files that were written to a folder."""
+    """Return the report with a line for the files that were written to a folder. `names`: their names."""
     facts = {**report.facts, "files": [str(folder / name) for name in names]}
     pictures = [f"picture: {folder / name}" for name in names if name.endswith(".png")]
     lines = [*pictures, *report.lines, f"in {folder}: {', '.join(names)}"]
@@ -111,7 +120,7 @@ def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepR
 
 
 def format_answer(points: Points) -> str:
-    """Return the sentence that answers: how many points have no main number, and which has the largest."""
+    """Return the sentence with the result: how many points lack the main quantity, and which point has the largest."""
     answer = "1 point" if points.count == 1 else f"{points.count} points"
     if points.main is None:
         return answer
@@ -134,7 +143,7 @@ def format_answer(points: Points) -> str:
 
 
 def _count_lines(points: Points) -> list[str]:
-    """Return the lines on points in doubt, and on points that were stored before."""
+    """Return the lines that count points in doubt, and points that were stored before."""
     doubts = [
         f"{count} of {points.count} points: {name} (column status of the table)"
         for name, count in points.bad.items()
@@ -147,9 +156,9 @@ def _count_lines(points: Points) -> list[str]:
 def _figure_functions(
     rows: Table, keys: Sequence[str], pictures: Sequence[Picture]
 ) -> "Mapping[str, Callable[[], Figure]]":
-    """Return functions that draw the figures, by file name: one for each number in `pictures`.
+    """Return functions that draw the figures, by the stem of their file: one for each quantity in `pictures`.
 
-    Numbers that no point has are left out. There are no figures if no key has two values.
+    Quantities that no point has are left out. There are no figures if no key has two values.
     """
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
     if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
@@ -162,7 +171,7 @@ def _figure_functions(
 
 
 def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
-    """Draw one number of the points in `rows`, with its bounds if known, against the varied `keys`."""
+    """Draw one quantity of the points in `rows`, with its bounds if known, against the varied `keys`."""
     from walkergen.guests.sweep import figures, scales
     from walkergen.guests.sweep.panels import Columns
 
@@ -173,5 +182,5 @@ def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure
     drawn = Columns(values, rows[picture.value], low, high, columns[STATUS_KEY], picture.label)
     best, name = int(np.nanargmax(drawn.value)), picture.name_and_unit[0]
     varied = [scale for scale in (scales.make_scale(key, values[key]) for key in keys) if len(scale.values) > 1]
-    at = ", ".join(scales.format_value(scale, int(scale.which[best]), scale.unit == "") for scale in varied)
+    at = ", ".join(scales.format_value(scale, int(scale.indices[best]), scale.unit == "") for scale in varied)
     return figures.draw_figure(drawn, keys, f"{name[:1].upper()}{name[1:]} of {rows.title}: highest at {at}")

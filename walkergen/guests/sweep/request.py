@@ -79,7 +79,7 @@ class SweepRequest(request.Request):
     pictures: request.Pictures = True
 
     def run(self, progress: Progress) -> "SweepReport":
-        """Evaluate all points. A call from Python uses this process alone, unless `workers` or `dask` is given."""
+        """Evaluate all points. A call from Python uses only this process, unless `workers` or `dask` is given."""
         report: SweepReport = self.do_work(progress, self._expect)
         return report
 
@@ -90,5 +90,5 @@ class SweepRequest(request.Request):
 
     @property
     def keeps_rows(self) -> bool:
-        """Whether the report holds every row, as Python functions return it and a desired speed needs it."""
+        """Whether the report contains every row. Python functions return all rows, and `wish` needs them."""
         return not self._shell or self.wish is not None

@@ -14,26 +14,26 @@ from walkergen.files.figures import wrap_text
 from walkergen.files.key_names import format_key
 
 LOG_MIN_RATIO, LOG_MAX_MEDIAN = 30.0, 1 / 3
-"""An axis of positive values is logarithmic where the largest is more than LOG_MIN_RATIO times the least and
-the median below LOG_MAX_MEDIAN times the largest: values in even steps stay on a linear axis."""
+"""An axis of positive values is logarithmic if the largest is more than LOG_MIN_RATIO times the smallest, and if the
+median is below LOG_MAX_MEDIAN times the largest. Evenly spaced values thus have a linear axis."""
 
 MAX_WORD_TICKS = 12
 
 NAME_INCHES = 2.1
-"""Length of a line of an axis's name, inches: about a panel's."""
+"""Width at which the name of an axis is wrapped, inches: about the width of a panel."""
 
 
 class Scale(NamedTuple):
-    """Distinct values of a key, where they lie on an axis, and where each row lies among them."""
+    """Distinct values of a key, their positions on an axis, and the index of each row's value among them."""
 
     key: str
     values: tuple[Any, ...]
     """Distinct values, numbers in rising order, words in the order of the rows."""
-    places: Array
-    """Places of `values` on the axis: the numbers themselves, or 0, 1, 2 of words."""
-    which: npt.NDArray[np.intp]
-    """Place in `values` of each row."""
-    words: bool
+    positions: Array
+    """Positions of `values` on the axis: the numbers themselves, or 0, 1, 2 for words."""
+    indices: npt.NDArray[np.intp]
+    """Index in `values` of the value of each row."""
+    has_words: bool
     """Whether the values are words; False for numbers."""
     log: bool
     """Whether the axis is logarithmic."""
@@ -41,7 +41,7 @@ class Scale(NamedTuple):
     @property
     def row_positions(self) -> Array:
         """Positions of the rows on the axis, shape (n,)."""
-        return self.places[self.which]
+        return self.positions[self.indices]
 
     @property
     def unit(self) -> str:
@@ -54,12 +54,12 @@ def make_scale(key: str, values: Sequence[Any]) -> Scale:
     words = not all(is_number(value) for value in values)
     entries = [_to_word(value) if words else value for value in values]
     distinct = list(dict.fromkeys(entries)) if words else sorted(set(entries))
-    index_of = {value: place for place, value in enumerate(distinct)}
-    places = np.array(range(len(distinct)) if words else distinct, dtype=float)
-    log = not words and places[0] > 0 and places[-1] > LOG_MIN_RATIO * places[0]
-    log = bool(log and np.median(places) < LOG_MAX_MEDIAN * places[-1])
+    index_of = {value: number for number, value in enumerate(distinct)}
+    positions = np.array(range(len(distinct)) if words else distinct, dtype=float)
+    log = not words and positions[0] > 0 and positions[-1] > LOG_MIN_RATIO * positions[0]
+    log = bool(log and np.median(positions) < LOG_MAX_MEDIAN * positions[-1])
     index = np.array([index_of[value] for value in entries], dtype=np.intp)
-    return Scale(key, tuple(distinct), places, index, words, log)
+    return Scale(key, tuple(distinct), positions, index, words, log)
 
 
 def _to_word(value: Any) -> str:
@@ -70,17 +70,17 @@ def _to_word(value: Any) -> str:
 def format_value(scale: Scale, number: int, named: bool = True) -> str:
     """Format the value with index `number` of a scale: "tilt of the legs 10 deg" or, if not `named`, "10 deg"."""
     name, value = format_key(scale.key).partition(" (")[0], scale.values[number]
-    parts = (name if named else "", value if scale.words else f"{value:.5g}", scale.unit)
+    parts = (name if named else "", value if scale.has_words else f"{value:.5g}", scale.unit)
     return " ".join(part for part in parts if part)
 
 
 def cell_edges(scale: Scale) -> Array:
     """Return the edges of a map's cells along a scale, half-way between neighbouring values, shape (values + 1,)."""
-    places = np.log(scale.places) if scale.log else scale.places
-    if len(places) == 1:
-        return np.array([places[0] - 0.5, places[0] + 0.5])
-    middle = 0.5 * (places[1:] + places[:-1])
-    borders = np.concatenate([[2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]]])
+    positions = np.log(scale.positions) if scale.log else scale.positions
+    if len(positions) == 1:
+        return np.array([positions[0] - 0.5, positions[0] + 0.5])
+    middle = 0.5 * (positions[1:] + positions[:-1])
+    borders = np.concatenate([[2 * positions[0] - middle[0]], middle, [2 * positions[-1] - middle[-1]]])
     return np.exp(borders) if scale.log else borders
 
 
@@ -90,13 +90,13 @@ def format_axis(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
     axis.set_label_text(wrap_text(format_key(scale.key), NAME_INCHES))
     if scale.log:
         axes.set(**{f"{direction}scale": "log"})
-        decades = np.log10(scale.places[-1] / scale.places[0])
+        decades = np.log10(scale.positions[-1] / scale.positions[0])
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 else (1.0,)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
-    elif scale.words:
+    elif scale.has_words:
         stride = -(-len(scale.values) // MAX_WORD_TICKS)
         shown = [word if len(word) <= 14 else word[:13] + "…" for word in scale.values][::stride]
-        axis.set_ticks(scale.places[::stride].tolist(), shown)
+        axis.set_ticks(scale.positions[::stride].tolist(), shown)
         if direction == "x" and sum(map(len, shown)) > 30:
             axes.tick_params(axis="x", rotation=30)

@@ -1,4 +1,4 @@
-"""Sweep of a file, sweep.toml: the settings of a sweep's command line, to keep and share.
+"""Sweep described in a file, sweep.toml: the settings of a sweep's command line, to save and share.
 
 Keys of designs and scenes are written in quotes, "legs.tilt_deg" = "0:45:2.5", or as TOML nests
 them: legs.tilt_deg = "0:45:2.5".
@@ -20,10 +20,10 @@ from walkergen.points import model_kinds
 from walkergen.points.point import ALONE
 
 Table = dict[str, Any]
-"""Table of keys of designs and scenes, dotted."""
+"""Values by dotted keys of designs and scenes."""
 
 KEY_TABLES = (("set",), ("grid",), ("sample", "between"))
-"""Places of such tables in a file."""
+"""Paths of such tables in a file."""
 
 BOUNDS_HINT = 'write two bounds, [2, 40] or "2:40"'
 
@@ -46,7 +46,7 @@ class Contents(Section):
     model: str | None = None
     error: Annotated[str | None, Field(description='an error as text, "5%" or "3mm/s"')] = None
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
-    """Seed of the samples; runs have scene.run.seed."""
+    """Seed of the samples. The seed of runs is scene.run.seed."""
     keep: Annotated[list[str] | None, Field(description="a list of groups")] = None
     set: Annotated[Table, Field(description="a table [set] of keys and values", default_factory=dict)]
     grid: Annotated[Table, Field(description="a table [grid] of keys and ranges or lists", default_factory=dict)]
@@ -75,7 +75,7 @@ class Contents(Section):
 
 
 class SweepFile(NamedTuple):
-    """Sweep from a file; None for what is left to defaults."""
+    """Settings of a sweep from a file; None for settings that the file does not have."""
 
     path: Path
     design: str | None
@@ -109,16 +109,16 @@ def read_sweep(path: Path) -> SweepFile:
     between = contents.sample.between if contents.sample else {}
     for table, values in (("grid", contents.grid), ("sample.between", between)):
         for key, value in values.items():
-            place = _format_place(table, key, str(path), text)
+            start = _message_start(table, key, str(path), text)
             try:
-                varied.append((_parse_axis if table == "grid" else _parse_span)(key, value, place))
+                varied.append((_parse_axis if table == "grid" else _parse_span)(key, value, start))
             except InputError as mistake:
                 mistakes.append(mistake.text)
     try:
         error = parse_tolerance(contents.error) if contents.error is not None else None
     except InputError as mistake:
-        place = config.format_location(("error",), str(path), text)
-        mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
+        start = config.format_location(("error",), str(path), text)
+        mistakes.append(f"{start}: error: {mistake.text.removeprefix('‹error=›')}")
     if mistakes:
         raise config.mistakes_error(mistakes, path)
     spans = tuple(entry for entry in varied if isinstance(entry, Span))
@@ -139,8 +139,11 @@ def read_sweep(path: Path) -> SweepFile:
     )
 
 
-def _format_place(table: str, key: str, source: str, text: str) -> str:
-    """Return the beginning of a message on a key of a table: file, line and key. `text`: contents of the file."""
+def _message_start(table: str, key: str, source: str, text: str) -> str:
+    """Return the beginning of a message on a key of a table: name and line of the file, and the key.
+
+    `source` and `text`: name and contents of the file.
+    """
     location = (*table.split("."), *key.split("."))
     return f"{config.format_location(location, source, text)}: {shorten_line(f'{table}.{key}')}"
 
@@ -164,8 +167,8 @@ def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str
                 holder[last] = dict(pairs)
                 for key, _ in pairs:
                     if sum(key == other for other, _ in pairs) > 1:
-                        place = _format_place(".".join((*path, last)), key, source, text)
-                        raise InputError(f"{place}: given twice, nested and in quotes. Remove one of them.")
+                        start = _message_start(".".join((*path, last)), key, source, text)
+                        raise InputError(f"{start}: given twice, nested and in quotes. Remove one of them.")
     return flat
 
 
@@ -185,40 +188,40 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
     tables = (("set", contents.set), ("grid", contents.grid), ("sample.between", between))
     for table, values in tables:
         for key in values:
-            place = _format_place(table, key, source, text)
+            start = _message_start(table, key, source, text)
             try:
-                sweep_points.check_key(key, place)
+                sweep_points.check_key(key, start)
             except InputError as mistake:
                 yield mistake.text
             if key in seen:
-                yield f"{place}: is in [{seen[key]}] too. Remove one of them."
+                yield f"{start}: is in [{seen[key]}] too. Remove one of them."
             seen[key] = table
 
 
-def _parse_axis(key: str, value: Any, place: str) -> Axis:
-    """Return the axis of a key from text, a list or one value. Raises InputError, which begins with `place`."""
+def _parse_axis(key: str, value: Any, start: str) -> Axis:
+    """Return the axis of a key from text, a list or one value. Raises InputError, which begins with `start`."""
     if isinstance(value, str):
-        axis = axes.from_text(key, value, f"{place} = {value[:60]!r}")
+        axis = axes.from_text(key, value, f"{start} = {value[:60]!r}")
         if isinstance(axis, Span):
             raise InputError(
-                f"{place} = {value[:60]!r}: bounds without a step. Write FIRST:LAST:STEP, or use [sample.between]."
+                f"{start} = {value[:60]!r}: bounds without a step. Write FIRST:LAST:STEP, or use [sample.between]."
             )
         return axis
     values = value if isinstance(value, list) else [value]
     for entry in values:
         if isinstance(entry, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", entry):
-            raise InputError(f'{place}: {entry[:60]!r} is in a list. Write one text, "0:10:5,20".')
-    return axes.make_axis(key, values, place)
+            raise InputError(f'{start}: {entry[:60]!r} is in a list. Write one text, "0:10:5,20".')
+    return axes.make_axis(key, values, start)
 
 
-def _parse_span(key: str, value: Any, place: str) -> Span:
-    """Return the span of a key from text "LOW:HIGH" or two numbers. Raises InputError, which begins with `place`."""
+def _parse_span(key: str, value: Any, start: str) -> Span:
+    """Return the span of a key from text "LOW:HIGH" or two numbers. Raises InputError, which begins with `start`."""
     if isinstance(value, str):
-        span = axes.from_text(key, value, f"{place} = {value[:60]!r}")
+        span = axes.from_text(key, value, f"{start} = {value[:60]!r}")
         if isinstance(span, Span):
             return span
     elif isinstance(value, list) and len(value) == 2:
         low, high = value
         if type(low) in (int, float) and type(high) in (int, float):
-            return axes.make_span(key, low, high, place)
-    raise InputError(f"{place} = {str(value)[:60]}: {BOUNDS_HINT}")
+            return axes.make_span(key, low, high, start)
+    raise InputError(f"{start} = {str(value)[:60]}: {BOUNDS_HINT}")

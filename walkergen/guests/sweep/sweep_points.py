@@ -14,41 +14,43 @@ from walkergen.points.model_kinds import Kind, Picture
 from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, STATUS_KEY, Point, refused_record
 
 MAX_CHECKED_POINTS = 1000
-"""Most points of a sweep that is refused where none of them can be right."""
+"""Largest number of points of a sweep that is refused at the start if all its points are invalid."""
 
 SCENE_PREFIX = "scene."
-"""Beginning of the keys of a scene; all others are a design's."""
+"""Prefix of the keys of a scene. All other keys belong to a design."""
 
 
 class SweepPoints(NamedTuple):
-    """Points to evaluate, as read from files and from the keys that were set."""
+    """Points to evaluate: a design and a scene, with the keys that vary."""
 
     design: Design
     scene: Scene
     space: Space
     model: str = PREDICTION
-    """Name of the kind of points."""
+    """Name of the model that evaluates the points: prediction, space or crowd."""
     keep: tuple[str, ...] = ("speed",)
+    """Groups of quantities in the table."""
     wanted: Tolerance | None = None
+    """Requested error of simulated speeds."""
     printer: Printer | None = None
     data: Mapping[str, Any] | None = None
-    """Data of the design as in its file, if known: setting a key turns a design that stands as built again."""
+    """Contents of the design's file, if known. Keys are set in them, not in the validated design."""
     file: Path | None = None
-    """File that names the keys; None for the command line. Messages begin with it."""
+    """File with the keys that vary, named in messages; None if the command line has them."""
 
     @property
     def kind(self) -> Kind:
-        """Kind of the points of this model."""
+        """Functions of the points of this model."""
         return model_kinds.load_kind(model_kinds.kind_of(self.model))
 
     @property
     def main_number(self) -> Picture | None:
-        """Number that answers the sweep: the first of the pictures; None without any."""
+        """Main quantity of the sweep: that of the first picture; None without pictures."""
         return next(iter(self.kind.pictures(self.keep)), None)
 
     @property
     def title(self) -> str:
-        """Title of the pictures: the walker, what is not varied of its tilt and its drive, and the model."""
+        """Title of the pictures: the walker, the model, and tilt and drive as far as they do not vary."""
         drive, keys = self.scene.drive, " ".join(self.space.keys)
         fixed = ["" if "tilt_deg" in keys else f"{self.design.tilt_deg:g} deg tilt"]
         if f"{SCENE_PREFIX}drive." not in keys:
@@ -68,11 +70,11 @@ class SweepPoints(NamedTuple):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the table's columns for the numbers and the status, without those of the keys."""
+        """Names of the table's columns for quantities and status, without those of the keys."""
         return (*self.kind.columns(self.model, self.keep), STATUS_KEY)
 
     def check(self) -> None:
-        """Raise InputError for an unknown key, value, group or model, or if all points of a small sweep are invalid."""
+        """Raise InputError for an unknown key, value or group, or if all points of a small sweep are invalid."""
         model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(f"‹error=›{self.wanted}: a prediction needs no error. Remove it, or give ‹model=›space.")
@@ -96,7 +98,7 @@ class SweepPoints(NamedTuple):
         raise InputError(f"all {len(reasons)} points are invalid: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
-        """Raise InputError for a text, list or table that its key never accepts; numbers are checked at each point."""
+        """Raise InputError for a text, list or table that the key never accepts. Numbers are checked at each point."""
         source = "‹set›" if self.file is None else f"{self.file}: grid"
         try:
             change_keys(self.design, self.scene, {key: value}, source, self.data)
@@ -113,7 +115,7 @@ class SweepPoints(NamedTuple):
                 raise InputError(error.text.replace(f"{source}: ", f"{source}.") + advice, *error.keys) from None
 
     def try_point(self, values: Mapping[str, Any]) -> PointOrRefusal:
-        """Return the point with these values of the keys, or the record of an invalid point."""
+        """Return the point with these values of the keys or, if it is invalid, a record with the reason."""
         try:
             return self.point(values)
         except WalkergenError as error:
@@ -157,8 +159,8 @@ def change_keys(
 ) -> tuple[Design, Scene]:
     """Return a design and a scene with these `values`, by dotted key. Keys of the scene begin with "scene.".
 
-    `data`: data of the design's file, if known: the values are set in it. Raises InputError or GeometryError, with a
-    line, which begins with `source`, for every mistake.
+    `data`: contents of the design's file, if known. The values are then set in them. Raises InputError or
+    GeometryError with a line for every mistake. Each line begins with `source`.
     """
     design_values = {key: value for key, value in values.items() if not key.startswith(SCENE_PREFIX)}
     scene_values = {

@@ -21,7 +21,7 @@ DEFAULT_ERROR = parse_tolerance("5%")
 
 
 def read_points(request: SweepRequest) -> SweepPoints:
-    """Return the points that a request describes, itself or in the file that it names. Raises InputError."""
+    """Return the points of a sweep, from the options of a request or from the file that it names. Raises InputError."""
     with_speed = request.wish is not None
     if request.file is not None:
         request.check_unset("is set by ‹file›", "design", "set", "scene", "printer", "error", "sample")
@@ -60,10 +60,38 @@ def make_points(
 ) -> SweepPoints:
     """Return the points of a sweep, checked.
 
-    `sources`: design, scene and printer, by name, by path from the folder `near`, or as objects. `constants`: values,
-    by key, of all points. `error`: by default DEFAULT_ERROR for simulated speeds, unless the runs are set.
-    `with_speed`: True if the numbers must include the speed. Raises InputError. Messages on constants begin with
-    `source`, those on other keys with the name of the `file`, if given.
+    Parameters
+    ----------
+    sources : tuple
+        Design, scene and printer: names, paths from the folder `near`, or objects.
+    near : Path
+        Folder at which paths begin.
+    space : Space
+        Keys that vary, with their values.
+    constants : mapping
+        Values by key that all points share.
+    model : str or None
+        Name of the model; None to choose it by the keys.
+    error : Tolerance or None
+        Error of simulated speeds. None: DEFAULT_ERROR, unless the number of runs is set.
+    keep : sequence of str or None
+        Groups of quantities in the table; None for those of the model.
+    source : str
+        Beginning of messages on constants.
+    with_speed : bool
+        True if the table must have the speed.
+    file : Path, optional
+        File with the other keys, named in messages on them.
+
+    Returns
+    -------
+    SweepPoints
+        Points of the sweep.
+
+    Raises
+    ------
+    InputError
+        If a key, a value or a combination of options is invalid.
     """
     model = choose_model(model, (*space.keys, *constants))
     design, scene, printer, data = _read_sources(sources, near, constants, model, source)

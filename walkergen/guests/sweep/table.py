@@ -1,7 +1,7 @@
 """Table of a sweep: a row for each point, in their order, written while it runs.
 
-Every row ends with the key of its point and a check sum of its other cells. It distinguishes rows that a user changed
-from our own. No number is read back: a sum is no signature.
+Every row ends with the key of its point in the store, and with a check sum of its other cells. The check sum shows
+which rows a user has changed. A check sum is no signature, so results are never read back from a table.
 """
 
 import os
@@ -21,14 +21,14 @@ POINT_COLUMN, CHECK_COLUMN = "point", "check"
 """Names of the last two columns: the key of the point, and the check sum of the row."""
 
 TEXT_COLUMNS = ("model", "print_told", STATUS_KEY)
-"""Columns of a record that hold words."""
+"""Columns of a record that contain text."""
 
 
 class Table:
-    """Table that grows: rows are on the disk, whole, when `add` returns."""
+    """CSV table to which rows are appended. A complete row is on the disk when `add` returns."""
 
     def __init__(self, path: Path, keys: Sequence[str], names: Sequence[str]) -> None:
-        """Create the file with a header. `keys`: columns of the varied keys. `names`: columns of a record."""
+        """Create the file with a header: the varied `keys`, the `names` of a record's values, point, check."""
         self.path, self.names = path, tuple(names)
         header = csv_text((*keys, *names, POINT_COLUMN, CHECK_COLUMN), [])
         try:
@@ -40,7 +40,7 @@ class Table:
         self._write(header)
 
     def add(self, values: Sequence[Any], record: Record, point: str) -> None:
-        """Append the row of a point: values of the keys, record and key of the point. Raises OutputError."""
+        """Append a row: values of the varied keys, record, and the point's key in the store. Raises OutputError."""
         cells = [*values, *(record.get(name) for name in self.names), point]
         line = csv_text(cells, [])
         self._write(csv_text([*cells, row_checksum(line)], []))
@@ -90,7 +90,7 @@ def find_changed_lines(path: Path) -> list[int]:
 
 
 def _has_valid_checksum(line: str) -> bool:
-    """Return whether a line ends with the right check sum. A line that was cut short must be printable only."""
+    """Return whether a line ends with the right check sum. A last line that was cut short must only be printable."""
     text = line.removesuffix("\n")
     if text == line:
         return text.isprintable()
@@ -99,9 +99,9 @@ def _has_valid_checksum(line: str) -> bool:
 
 
 def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> bytes | None:
-    """Convert the CSV table at `path` to Parquet; None if pyarrow is not installed.
+    """Return the CSV table at `path` converted to Parquet; None if pyarrow is not installed.
 
-    `keys`: varied keys, True for those with numbers, False for text. `names`: columns of a record.
+    `keys`: whether the values are numbers, by varied key. `names`: names of a record's values.
     """
     try:
         import pyarrow as arrow
