@@ -30,9 +30,9 @@ def assert_every_form(report, capsys):
     """Check that a report is shown on a terminal, as JSON, Markdown, HTML and text, and that its CSV has its keys."""
     assert isinstance(report, Report)
     capsys.readouterr()
-    console.report(report, json=True, quiet=False)
+    console.print_report(report, json=True, quiet=False)
     json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
-    console.report(report, json=False, quiet=False, width=80)
+    console.print_report(report, json=False, quiet=False, width=80)
     assert "nan" not in capsys.readouterr().out.lower().split()
     title, opening = spell_for_python(report.title), spell_for_python(report.headline or report.title)
     assert report.markdown().startswith(f"# {title}\n")

@@ -348,7 +348,7 @@ def test_letters_that_a_stream_has_not_are_replaced_and_in_json_escaped(encoding
         streams.prepare()
         print("± 3 µm, −1")
         report = Report(name="r", title="r", tables=[], facts={"Läufer ±": "\udcff"})
-        console.report(report, json=True, quiet=False)
+        console.print_report(report, json=True, quiet=False)
         assert plain.loads('"\\udcff"') == "\udcff"
 
     code, out, told = run_in_child(work)

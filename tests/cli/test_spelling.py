@@ -72,8 +72,8 @@ def test_files_have_pythons_names_and_a_terminal_has_flags(capsys):
     assert rows.split() == ["speed,note", "1.5,tilt"]
     with use_spelling(for_shell):
         assert (report.markdown(), report.table.csv()) == (page, rows)
-        console.report(report, json=False, quiet=False)
-        console.report(report, json=True, quiet=False)
+        console.print_report(report, json=False, quiet=False)
+        console.print_report(report, json=True, quiet=False)
     table, _, facts = capsys.readouterr().out.partition("{")
     assert "--tilt" in table
     assert "--legs\n--runs 3\n" in table

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 FUNCTION_NAMES = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
 """Commands that are also Python functions."""
 
-TEXT_FIELDS = ("title", "caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
+TEXT_FIELDS = ("title", "caption", "facts", "lines", "warnings", "errors")
+"""Fields of a report whose texts may name arguments."""
 
 ALIASES = {
     "Walker": "Design | str | PathLike",
@@ -47,7 +48,7 @@ def make_function(name: str) -> Callable[..., Any]:
     def call(*args: Any, **kwargs: Any) -> Any:
         """Run the command's job with these arguments. Return its report; None for a job without one.
 
-        Its texts and its errors name Python arguments where the command line names flags.
+        Texts of the report, and errors, contain the names of Python arguments instead of flags.
         """
         values = signature.bind(*args, **kwargs).arguments
         progress = values.pop("progress", None)

@@ -17,7 +17,7 @@ from walkergen.files.report import Table
 Name = str | os.PathLike[str]
 """Name of a template, or path of a TOML file."""
 
-Walker = Design | Name
+Walker = Design | Name  # types of arguments that name or contain a walker, a scene or a printer
 Ground = Scene | Name
 Machine = Printer | Name
 Found = TypeVar("Found", Design, Scene, Printer)
@@ -27,7 +27,7 @@ KINDS: dict[str, tuple[str, type[Section]]] = {
     "scene": ("scenes", Scene),
     "printer": ("printers", Printer),
 }
-"""Kinds of files: the folder of their templates, and their contents."""
+"""Folder of the templates, and class of the contents, by the kind of a file."""
 
 
 @overload

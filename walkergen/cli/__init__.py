@@ -25,18 +25,18 @@ INTERRUPTED_CODE = 130
 INTERRUPTED_MESSAGE = "interrupted: finished files are complete. Run the same command again for the rest."
 
 SWEPT_KEYS = {"--tilt": "legs.tilt_deg", "--gamma": "scene.drive.gamma", "--frequency": "scene.drive.frequency_hz"}
-"""Keys to set for options that other commands have."""
+"""Keys that `sweep` sets with --set, by the options of other commands that set them."""
 
 
 class Root(Group):
-    """Command line whose commands are imported when they are looked up."""
+    """Group of all commands. Each is imported only when it is looked up."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings | {"commands": command_builder.Commands()})
 
     @cached_property
     def sentences(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
-        """Heading in the help and summary of every command, by its name."""
+        """Heading in the help, and summary, of every command, by the command's name."""
         return {name: (entry.heading, command_builder.command_summary(name)) for name, entry in COMMANDS.items()}
 
 
@@ -111,7 +111,7 @@ def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
 
 
 def _run_command(commands: typer.Typer | Callable[[], None], lost_interrupt: threading.Event) -> int:
-    """Run the command line, print its error, return the exit code. `lost_interrupt`: set if Ctrl-C was suppressed."""
+    """Run the command line, print its error and return the exit code. `lost_interrupt`: set if Ctrl-C was lost."""
     try:
         try:
             # A Typer that is called would replace our hook, which receives a lost Ctrl-C

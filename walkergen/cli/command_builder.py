@@ -34,17 +34,17 @@ OPTION_HEADINGS = {
     "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
     "Output": ("out", "trajectory", "rate-hz", "pictures", "all", "json", "quiet", "help"),
 }
-"""Options under their own headings if a command has many; the other options are listed first."""
+"""Options by their heading in the help of a command with many options. All other options are listed first."""
 
 MIN_GROUPED_OPTIONS = 15
-"""Smallest number of options that are grouped under headings."""
+"""Number of options from which on a command's help has headings."""
 
 TYPE_SUFFIX = re.compile(r" <[^>]*>$")
-"""Suffix that the library adds to an argument's name."""
+"""Type that typer appends to the name of an argument in the help."""
 
 
 class Command(TyperCommand):
-    """Command whose help has names, sentences and defaults, and no names of Python's types."""
+    """Command whose help has names, sentences and defaults, but no Python types."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the help of the arguments, then of the options, in sections if they are many."""
@@ -70,10 +70,10 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """Commands listed under their headings, each with its complete sentence."""
+    """Group of commands, listed in its help under headings, each with its complete summary."""
 
     sentences: Mapping[str, tuple[str, str]] = {}
-    """Headings and sentences of commands that are imported only when they are run."""
+    """Heading and summary, by name, of commands that are imported only when they are run."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a list for each heading, keeping the order of headings and commands."""
@@ -88,7 +88,7 @@ class Group(TyperGroup):
 
 
 def epilog(*examples: str) -> str:
-    """Return the end of a command's help. `examples`: command lines without `walkergen`."""
+    """Return the examples at the end of a command's help. `examples`: command lines without the word `walkergen`."""
     return "\n".join(["\b", "Examples:", *(f"  walkergen {words}" for words in examples)])  # \b: no line wrapping
 
 
@@ -101,7 +101,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a ta
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but warnings and errors.")]
 
 SHELL_TYPES = (bool, int, float, Path)
-"""Types that the shell's own parser handles. For all others the request parses the text."""
+"""Types that typer parses. For all others the request parses the text."""
 
 
 def command_summary(name: str) -> str:
@@ -116,7 +116,7 @@ def command_summary(name: str) -> str:
 
 
 class Commands(Mapping[str, Any]):
-    """Commands by name, each made on first use."""
+    """Typer commands by name, each built on first use."""
 
     def __getitem__(self, name: str) -> Any:
         return make_command(name)
@@ -145,7 +145,7 @@ def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
     """Build the function that typer calls for a command. Its parameters are the fields of the request class."""
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
-        """Run the request with these values by field. `json`, `quiet`: how to print its report."""
+        """Run the request with these values of its fields. `json`, `quiet`: form of the printed report."""
         given = {field: value for field, value in values.items() if value not in (None, [])}
         with use_spelling(request.to_flags):
             _run_request(name, request.from_values(given, shell=True), json, quiet)
@@ -170,8 +170,8 @@ def _run_request(name: str, request: "Request", json: bool, quiet: bool) -> None
     with console.progress(name, wanted=not quiet, on_expected=request.register_time_callback) as progress:
         report = request.run(progress)
     assert report is not None
-    console.notes([] if quiet else request.notes)
-    console.report(report, json, quiet)
+    console.print_notes([] if quiet else request.notes)
+    console.print_report(report, json, quiet)
     if report.code:
         raise typer.Exit(report.code)
 
@@ -216,7 +216,7 @@ def _is_text(value: object) -> bool:
 
 
 def name_completion(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
-    """Return a function that completes names of shipped templates of these kinds for the shell."""
+    """Return a function that completes the names of templates of these kinds for the shell."""
 
     def complete(incomplete: str) -> list[str]:
         from walkergen.files import templates

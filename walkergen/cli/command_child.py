@@ -1,4 +1,4 @@
-"""Command lines as a child of the page's server. It ends with the server, and reports its progress.
+"""Child process of the page's server that runs command lines. It ends with the server, and reports its progress.
 
 Each report is a line of JSON: {"progress": [what, done, total]} or {"output": text}.
 """
@@ -17,7 +17,7 @@ from walkergen.core.files.progress import Progress, part_progress
 
 
 def main() -> int:
-    """Run the command lines that the server sent, one after another; returns the exit code."""
+    """Run the command lines that the server sent, one after another, and return the exit code."""
     lines, stream = child_processes.receive_and_watch_server(), sys.stdout
     send_progress = child_processes.progress_sender(stream)
     for number, words in enumerate(lines):

@@ -28,8 +28,8 @@ def _print_json(data: dict[str, Any]) -> None:
     print(text)
 
 
-def table(content: "Table", width: int | None = None) -> None:
-    """Print a table and never shorten its numbers. `width`: in letters; None for the terminal's."""
+def print_table(content: "Table", width: int | None = None) -> None:
+    """Print a table without cutting its cells. `width`: width in letters; None for that of the terminal."""
     from rich.console import Console
 
     from walkergen.files import rich_tables
@@ -37,11 +37,11 @@ def table(content: "Table", width: int | None = None) -> None:
     rich_tables.print_table(content, Console(highlight=False, width=width))
 
 
-def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
-    """Print a report: as JSON if `json`, else its headline first and its next step last, or nothing if `quiet`.
+def print_report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
+    """Print a report: its results as JSON if `json`, nothing if `quiet`, otherwise text from headline to next step.
 
-    Warnings and errors are printed on the error stream in any case. `width`: of tables, in letters; None for the
-    terminal's.
+    Warnings and errors are printed on the error stream in any case. `width`: width of tables in letters; None for that
+    of the terminal.
     """
     for warning in result.warnings:
         print(f"warning: {spell(warning)}", file=sys.stderr)
@@ -50,13 +50,13 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
         _print_json({**spell_all(result.facts), **folder})
     elif not quiet:
         for opening in filter(None, (result.headline, result.caption)):
-            text(opening)
+            print_paragraph(opening)
         for shown in result.visible_tables():
-            table(shown.rich(), width)
+            print_table(shown.rich(), width)
             for line in shown.footer_lines():
-                text(line)
+                print_paragraph(line)
         for line in result.lines:
-            text(line)
+            print_paragraph(line)
         for path in result.files:
             print(path)
         if folder:
@@ -67,13 +67,13 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
         print(f"error: {spell(error)}", file=sys.stderr)
 
 
-def notes(lines: Sequence[str]) -> None:
+def print_notes(lines: Sequence[str]) -> None:
     """Print notes on the input files on the error stream, one line each."""
     for line in lines:
         print(f"note: {safe_text.escape_hidden(spell(line))}", file=sys.stderr)
 
 
-def text(line: str) -> None:
+def print_paragraph(line: str) -> None:
     """Print a paragraph, wrapped between words at the width of the terminal."""
     from rich.console import Console
 
@@ -81,16 +81,17 @@ def text(line: str) -> None:
 
 
 FIRST_LINE_S, NEXT_LINE_S, SAME_STAGE_LINE_S = 5.0, 15.0, 60.0
-"""Times (s) of the first progress line of a job, to that of a new stage, and to the next of the same stage."""
+"""Time (s) from the start of a job to its first progress line, and from one line to the next, for a new stage and for
+the same stage."""
 MIN_ANNOUNCED_S = 2.0
 """Expected time (s) below which a job does not announce its duration."""
 
 MIN_PACE_SHARE = 0.1
-"""Share of the work that must be done before its pace gives the time left."""
+"""Share of the work after which the remaining time is computed from the pace."""
 
 
 class Clock:
-    """Elapsed and remaining time of a job. The remaining time follows from the expected time, then from the pace."""
+    """Elapsed and remaining time of a job. The remaining time comes from the expected time, then from the pace."""
 
     def __init__(self, title: str) -> None:
         """Start the clock of a job with a title."""
@@ -99,7 +100,7 @@ class Clock:
         """Time and share of the first finished work. Before that, the job was preparing."""
 
     def print_expected(self, find: "Callable[[], Expected | None]") -> None:
-        """Print the expected time of a job once, unless it is short. `find`: estimates it; None if it is short."""
+        """Print the expected time of a job, only once. `find`: function that returns it, or None for a short job."""
         if self._ends or (expected := find()) is None:
             return
         self._ends = time.monotonic() + expected.seconds
@@ -108,7 +109,7 @@ class Clock:
             print(f"{self.title}: {_format_duration(expected.seconds)}{note}", file=sys.stderr, flush=True)
 
     def record(self, done: int, total: int) -> None:
-        """Record time and share of the first finished work. `done`: finished steps of `total`."""
+        """Record when the first steps were finished. `done`: number of finished steps, of `total`."""
         if done and self._start is None:
             self._start = time.monotonic(), done / total
 
@@ -127,10 +128,10 @@ class Clock:
 def progress(
     title: str, wanted: bool, on_expected: "Callable[[Expect], None] | None" = None
 ) -> Iterator[Callable[[str, int, int], None]]:
-    """Show the progress of a job on the error stream, if `wanted`: a bar on a terminal, or lines.
+    """Show the progress of a job on the error stream, if `wanted`: a bar on a terminal, otherwise lines.
 
-    `on_expected` is called with the clock's callback that prints the expected time. The job calls that callback as
-    soon as it can estimate its duration.
+    Yields the function that the job calls with a step's name, the number done and the total. `on_expected`: receives
+    the function that the job calls as soon as it can estimate its duration.
     """
     if not wanted:
         from walkergen.core import caches
@@ -147,7 +148,7 @@ def progress(
 
 @contextmanager
 def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
-    """Print a progress line at intervals in a thread. Yields the progress callback of the job."""
+    """Print progress lines from a thread. Yields the function that the job calls with its progress."""
     ended = threading.Event()
     latest: list[tuple[str, int, int]] = []  # arguments of the last `update`; empty before
 
@@ -184,7 +185,7 @@ def _format_duration(seconds: float) -> str:
 
 @contextmanager
 def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
-    """Show a progress bar from the first report of a job on. Yields the progress callback of the job."""
+    """Show a progress bar once the job reports progress. Yields the function that the job calls with its progress."""
     with ExitStack() as stack:
         bar_updates: list[Callable[[str, int, int], None]] = []  # function of the bar; empty before the first report
 

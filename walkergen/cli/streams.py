@@ -1,8 +1,8 @@
-"""Safe standard streams for a command line: open, in any locale, with reported errors.
+"""Safe standard streams for a command line: always open, in any locale, with reported errors.
 
-A closed stream is replaced by one that refuses output, so that no file takes its
-number. Letters outside a stream's encoding are replaced. Standard error, which reports every
-mistake, accepts any text. Lost output is known at the end.
+A closed stream is replaced by one that refuses output, so that no file gets its file
+descriptor. Letters outside a stream's encoding are replaced. Standard error, which reports every
+mistake, accepts any text, and records that output was lost.
 """
 
 import _thread
@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 
 class _StandardOutput(io.FileIO):
-    """Standard output whose errors name it."""
+    """Standard output whose errors contain the name "standard output"."""
 
     def write(self, data: Any, /) -> int:
         """Write data. Raises OSError with the name "standard output"."""
@@ -29,7 +29,7 @@ class _StandardOutput(io.FileIO):
 
 
 class _StandardError(io.FileIO):
-    """Standard error that drops what it cannot write, and remembers it."""
+    """Standard error that drops text that it cannot write, and records the loss."""
 
     lost = False
 
@@ -70,7 +70,7 @@ def _text_stream(raw: io.FileIO, encoding: str, errors: str, lines: bool = False
 
 
 def catch_interrupts() -> threading.Event:
-    """Install hooks that repeat a Ctrl-C that Python or a library ignored. Return an event that is set then.
+    """Install hooks that repeat a Ctrl-C that Python or a library ignored. Return an event that is then set.
 
     Python ignores KeyboardInterrupt while an object is destroyed, or while a library calls back. A library in C may
     also print it and raise another error.

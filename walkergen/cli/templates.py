@@ -35,7 +35,7 @@ def list_templates(context: typer.Context, json: command_builder.AsJson = False)
         return
     from walkergen.files import templates
 
-    console.report(templates.list_templates(), json, quiet=False)
+    console.print_report(templates.list_templates(), json, quiet=False)
 
 
 @commands.command("show", cls=Command, epilog=epilog("templates show lane-90hz", "templates show prusa-mk3s"))
@@ -51,9 +51,9 @@ def copy_template(
     name: TemplateName,
     to: Annotated[Path | None, typer.Argument(metavar="FILE", help="File to write; NAME.toml by default.")] = None,
 ) -> None:
-    """Copy a template into a file of your own to edit; the copy is named after its file.
+    """Copy a template into a file of your own to edit. The copy is named after its file.
 
-    Of a drawing, a picture or a mesh it writes the walker that it stands for, with the legs found for it in numbers.
+    For a drawing, a picture or a mesh, the file has the walker made from it. The positions of its legs are numbers.
     """
     from walkergen.core.files import file_reading, output
     from walkergen.files import templates

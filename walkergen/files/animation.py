@@ -1,4 +1,4 @@
-"""Animation: from frames to a GIF, and to an MP4 where ffmpeg is installed."""
+"""Animation: frames encoded as a GIF, and as an MP4 if ffmpeg is installed."""
 
 import importlib.util
 import io
@@ -24,15 +24,15 @@ NO_FFMPEG_REASON = "ffmpeg is not installed (pip install 'walkergen[film]' bring
 """Reason why there is no MP4."""
 
 Draw = Callable[[int], Pixels]
-"""Function that draws the frame of a number."""
+"""Function that draws the frame with a number, counted from 0, and returns its picture."""
 
 Used = TypeVar("Used")
 
 PALETTE_COLOURS, EXACT_COLOURS = 128, 16
-"""Number of colours in a GIF's palette, and of the commonest, kept exact; others are blends."""
+"""Number of colours in a GIF's palette. Number of the commonest colours that are kept exactly; others are mixed."""
 
 PALETTE_FRAMES = 16
-"""Number of frames that give the palette."""
+"""Number of frames from which the palette is chosen."""
 
 
 class Encoded(NamedTuple):
@@ -45,20 +45,20 @@ class Encoded(NamedTuple):
 
 
 def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress) -> Encoded:
-    """Draw `count` frames in order into a GIF, whose last frame stays for `hold_s`, and an MP4.
+    """Draw frames 0 to `count` - 1, and encode them as a GIF and as an MP4. Equal frames give equal bytes.
 
-    The MP4 has no still frames: programs that track it would find walkers that stop. `fps` must divide 100: a GIF
-    counts in hundredths of a second. The colours `keep` (#RRGGBB) are exact in the GIF however rare they are. Equal
-    frames give equal bytes.
+    The GIF holds its last frame for `hold_s`. The MP4 does not, because programs that track walkers in it would find
+    that they stop. `fps` must divide 100, since a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB)
+    are exact in the GIF, however rare they are.
     """
     palette = _choose_palette(draw, count, keep)
     return Encoded(*_write_film(draw, count, fps, progress, lambda frames: _encode_gif(frames, palette, fps, hold_s)))
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
-    """Draw `count` frames in order into an MP4. Return it and "", or None and the reason, such as no ffmpeg.
+    """Draw frames 0 to `count` - 1, and encode them as an MP4. Return its bytes and "", or None and the reason.
 
-    For pictures with so much motion that a GIF would be many times as large.
+    Use it for films with so much motion that a GIF would be many times as large.
     """
     if find_ffmpeg() is None:
         return None, NO_FFMPEG_REASON
@@ -69,7 +69,10 @@ def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[by
 def _write_film(
     draw: Draw, count: int, fps: int, progress: Progress, use: Callable[[Iterator[Pixels]], Used]
 ) -> tuple[Used, bytes | None, str]:
-    """Draw frames for `use` and an MP4. Return the result of `use`, the MP4 or None, and the reason for None or ""."""
+    """Draw frames, pass them to `use`, and encode them as an MP4.
+
+    Return the result of `use`, the bytes of the MP4 or None, and "" or the reason why there is no MP4.
+    """
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
@@ -133,7 +136,7 @@ def _encode_gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s
 
 
 def find_ffmpeg() -> str | None:
-    """Return the path of ffmpeg: on the PATH, or of the extra `film`; None if neither is installed."""
+    """Return the path of ffmpeg, from the PATH or from the optional packages `film`; None if it is not installed."""
     found = shutil.which("ffmpeg")
     if found is None and importlib.util.find_spec("imageio_ffmpeg") is not None:
         import imageio_ffmpeg
@@ -148,7 +151,7 @@ def find_ffmpeg() -> str | None:
 def _start_ffmpeg(
     shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]
 ) -> "subprocess.Popen[bytes] | None":
-    """Start ffmpeg, waiting for frames at its input; None if it is not installed."""
+    """Start ffmpeg, which reads frames of this shape and writes `target`; return None if it is not installed."""
     found = find_ffmpeg()
     if found is None:
         return None

@@ -1,4 +1,4 @@
-"""Canvas: a picture with moving parts; the fixed parts are drawn once, the rest on top of them."""
+"""Canvas: a picture with moving parts. Fixed parts are drawn once, moving parts on top of them in each frame."""
 
 import math
 from typing import Any, NamedTuple

@@ -30,13 +30,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 COLUMN_INCHES, PAGE_INCHES = 86.0 / 25.4, 178.0 / 25.4
-"""Widths of a journal's column and of its page, inches: figures are drawn at the size of print."""
+"""Widths of a column and of a page of a journal, inches. Figures are drawn in the size in which they are printed."""
 
 MIN_FONT_PT, FONT_PT = 7.0, 8.0
-"""Sizes of fonts, points; nothing in a figure is smaller than the first."""
+"""Smallest and normal size of letters in a figure, points."""
 
 DPI = 200
-"""Pixels per inch: a column is some 700 pixels wide, a page 1400; print takes the PDF."""
+"""Pixels per inch of PNG files: a column is about 700 pixels wide, a page 1400. Use the PDF for printing."""
 
 DEFAULT_STYLE: Any = {
     "font.size": FONT_PT,
@@ -110,7 +110,7 @@ LETTER_WIDTH_RATIO = 0.52
 
 @contextmanager
 def style(settings: Any = DEFAULT_STYLE) -> Iterator[None]:
-    """Draw figures in this context, with these settings and none of the user's; also a decorator."""
+    """Draw figures in this context with these settings, without the user's. It is also a decorator."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(settings)
@@ -147,9 +147,9 @@ def wrap_text(text: str, width: float, size: float = FONT_PT) -> str:
 
 
 def set_log_ticks(axis: Axis) -> None:
-    """Set the ticks of a logarithmic axis once its limits are set: plain numbers that do not collide.
+    """Set the ticks of a logarithmic axis, whose limits are set, to plain numbers that do not collide.
 
-    Over less than two decades 1, 2 and 5 are named, over more the powers of ten alone.
+    Over less than two decades 1, 2 and 5 have labels, over more only powers of ten.
     """
     low, high = sorted(axis.get_view_interval())
     decades = math.log10(high / low)
@@ -218,12 +218,12 @@ def label_axes(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
         set_log_ticks(axes.yaxis)
 
 
-Errors = Sequence[Any]
-"""Positions, values and errors; an error is one number, or a length below and one above (2, n), or None."""
+SeriesData = Sequence[Any]
+"""Positions, values and errors of points. Errors are None, one a point, or lengths below and above, shape (2, n)."""
 
 
 def draw_points(
-    axes: Axes, data: Errors, look: Look = MEASURED, label: str = "", hollow: bool = False, joined: bool = False
+    axes: Axes, data: SeriesData, look: Look = MEASURED, label: str = "", hollow: bool = False, joined: bool = False
 ) -> Any:
     """Draw symbols with error bars, and a line between them if `joined`. `data`: positions, values, errors."""
     at, value, error = data
@@ -245,7 +245,7 @@ def draw_points(
     )
 
 
-def draw_curve(axes: Axes, data: Errors, look: Look = FITTED, label: str = "", shade: float = BAND_OPACITY) -> None:
+def draw_curve(axes: Axes, data: SeriesData, look: Look = FITTED, label: str = "", shade: float = BAND_OPACITY) -> None:
     """Draw a line and a band of its errors with opacity `shade`; `data`: positions, values and errors."""
     at, value, error = (np.asarray(part, dtype=float) for part in data)
     axes.plot(at, value, color=look.colour, linestyle=look.line, label=label or None)
@@ -264,6 +264,6 @@ def add_legend_below(figure: Figure, columns: int = 2) -> None:
 
 
 def show_in_notebook(figure: Figure) -> Figure:
-    """Return the figure as a notebook shows it, though pyplot did not make it."""
+    """Return the figure, changed so that a notebook shows it although pyplot did not make it."""
     vars(figure)["_repr_png_"] = partial(png, figure)
     return figure

@@ -16,7 +16,7 @@ UNITS_BY_SUFFIX = {
     "_g": "g",
     "_s": "s",
 }
-"""Units by the ends of keys, the longest first where one ends in another."""
+"""Units by the suffixes of keys. A longer suffix comes before a suffix that it ends in."""
 
 SPECIAL_NAMES = {
     "drive.gamma": "peak acceleration of the plate (g)",
@@ -26,7 +26,7 @@ SPECIAL_NAMES = {
     "run.seconds": "measured time (s)",
     "run.step_us": "step (µs)",
 }
-"""Keys whose name is not made of their parts."""
+"""Names of keys that cannot be made from the parts of the key."""
 
 TABLE_SUBJECTS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
 """Subjects of the tables of keys, if different from their names; "" for none."""

@@ -1,4 +1,4 @@
-"""Quantities as people read them: a value with its error and unit, its bounds, or the reason why there is none."""
+"""Quantities as text: a value with its error, unit and bounds, or the reason why it is missing."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -15,7 +15,7 @@ def format_name(number: Quantity) -> str:
 
 
 def format_unit(number: Quantity) -> str:
-    """Return the unit of a quantity as people read it."""
+    """Return the unit of a quantity as text."""
     return UNIT_SYMBOLS.get(number.unit, number.unit)
 
 
@@ -46,9 +46,9 @@ def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Colum
 
 
 def mark_reasons(numbers: Iterable[Quantity]) -> tuple[list[Quantity], dict[str, str]]:
-    """Replace each reason for a missing value that several quantities share with a mark, as (a).
+    """Replace each reason for a missing value that several quantities share by a mark such as (a).
 
-    Returns the quantities, and the reasons by mark.
+    Return the changed quantities, and the reasons by mark.
     """
     listed = list(numbers)
     shared = [reason for reason, count in Counter(number.refused for number in listed).items() if reason and count > 1]

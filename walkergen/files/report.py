@@ -1,7 +1,7 @@
-"""Report of a job: its results as tables, lines and figures, in every form.
+"""Report of a job: its results as tables, lines and figures, as text and as files.
 
-CSV, JSON and a pandas frame hold a row's values by keys, with units in the keys and every
-digit. Columns choose what people read of a row. Each column is a function of the row.
+CSV, JSON and a pandas frame contain a row's values by keys, with units in the keys and with every
+digit. Printed tables have columns instead. The text in a column is a function of the row.
 """
 
 import math
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from walkergen.core.files.output import Folder
 
 MAX_NOTEBOOK_ROWS = 20
-"""Rows that a notebook shows; the others are counted."""
+"""Largest number of rows that a notebook shows. Further rows are only counted."""
 
 
 class Column(NamedTuple):
-    """Column that people read: its heading, with the unit, and the text of a row's cell.
+    """Column of a printed table: its heading, with the unit, and a function that returns the text of a row's cell.
 
-    Where the heading has two lines nothing else of the column is broken on a terminal.
+    If the heading has two lines, a terminal wraps no cell of the column.
     """
 
     heading: str
     cell: Callable[[Any], str]
     right: bool = False
-    """True for numbers, which are aligned at their ends."""
+    """True to align the cells at their right ends, as for numbers."""
     wide: bool = False
-    """True for a detail of pages that is too wide for a terminal."""
+    """True for a column that is too wide for a terminal, and appears only in Markdown."""
     meaning: str = ""
     """Meaning of a short heading, shown with the heading below the table."""
 
@@ -47,7 +47,7 @@ def text_column(heading: str, key: str) -> Column:
 
 
 def number_column(heading: str, key: str, digits: int = 4, wide: bool = False) -> Column:
-    """Return a column of a field's numbers to significant digits; None is blank."""
+    """Return a column of a field's numbers with this number of significant digits; None is blank."""
     return Column(
         heading, _format_if_known(key, lambda value: formatting.format_number(value, digits)), right=True, wide=wide
     )
@@ -66,7 +66,7 @@ def _format_if_known(key: str, format_number: Callable[[float], str]) -> Callabl
 
 
 def error_column(heading: str, key: str, se: str) -> Column:
-    """Return a column of field `key` with its standard error, field `se`. Missing values are blank, errors omitted."""
+    """Return a column of the field `key` with its standard error from the field `se`. Missing values are blank."""
 
     def format_cell(row: Any) -> str:
         value = getattr(row, key)
@@ -76,12 +76,12 @@ def error_column(heading: str, key: str, se: str) -> Column:
 
 
 def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Column:
-    """Return a column of intervals between two fields of a row."""
+    """Return a column of intervals, whose ends are the fields `low` and `high` of a row."""
     return Column(heading, lambda row: formatting.format_range(getattr(row, low), getattr(row, high), digits))
 
 
 def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Return a column for each key of rows that are tuples, with the key as heading. `texts` are keys of texts."""
+    """Return a column for each value of rows that are tuples, with its key as heading. `texts`: keys of text."""
 
     def make_column(index: int, key: str) -> Column:
         """Return the column of the values at an index of the rows."""
@@ -92,7 +92,7 @@ def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column,
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of one kind: named tuples, or tuples by `keys`.
+    """Rows with the same fields: named tuples, or tuples with the values of `keys`.
 
     Iteration yields the rows as dictionaries. ``table["speed_mm_s"]`` is a column as an array.
 
@@ -107,18 +107,18 @@ class Table:
     """
 
     name: str
-    """Stem of its CSV file."""
+    """Stem of the table's CSV file."""
     rows: Sequence[Any]
     keys: Sequence[str]
-    """Names of the values of a row, with units: of CSV, JSON, a frame of pandas; without any the
-    table is for people alone, and is no file."""
+    """Names of the values of a row, with units, in CSV, JSON and pandas frames. A table without
+    keys is printed, but not written to a file."""
     columns: Sequence[Column] = ()
-    """Columns that people read; if empty, only machines read the table, and no page shows it."""
+    """Columns of the printed table. A table without columns is written to files, but not printed."""
     title: str = ""
     notes: Sequence[str] = ()
     """Notes below the table, a sentence each."""
     read: Sequence[Any] | None = None
-    """Rows that people read, if not all."""
+    """Rows of the printed table; None for all rows."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -149,7 +149,7 @@ class Table:
         return tables.csv_text(self.keys, self.rows)
 
     def rich(self, markdown: bool = False) -> "RichTable":
-        """Return the table for the terminal, or for conversion to Markdown; without headings no header.
+        """Return the table in the form of the library rich, to print it or to convert it to Markdown.
 
         Parameters
         ----------
@@ -216,7 +216,7 @@ class Table:
         return [spell(": ".join(column.cell(row) for column in self.columns)) for row in self._visible_rows()]
 
     def _visible_rows(self) -> Sequence[Any]:
-        """Return the rows that people read."""
+        """Return the rows of the printed table."""
         return self.rows if self.read is None else self.read
 
     def to_dataframe(self) -> Any:
@@ -258,7 +258,7 @@ class Table:
 
 
 def table_from_rows(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
-    """Return a table of named tuples, at least one; their fields are the keys."""
+    """Return a table of one or more named tuples. Their fields are the keys."""
     return Table(name, rows, rows[0]._fields, columns, title)
 
 
@@ -305,11 +305,11 @@ class Report:
     """
 
     name: str
-    """Stem of its page."""
+    """Stem of the report's Markdown file."""
     title: str
     tables: Sequence[Table]
     facts: Mapping[str, Any]
-    """Contents of the JSON file."""
+    """Results for JSON."""
     headline: str = ""
     """Sentence that answers the request, above everything else, without a full stop."""
     caption: str = ""
@@ -327,9 +327,9 @@ class Report:
     next_step: str = ""
     """Sentence on what to open next, below everything else, without a full stop."""
     errors: Sequence[str] = ()
-    """Reasons for a command to fail after it shows this, a line each."""
+    """Reasons why the command fails after it prints the report, a line each."""
     code: int = 0
-    """Exit code of a command that shows this: 130 if it was interrupted."""
+    """Exit code of the command: 130 if it was interrupted."""
 
     @property
     def table(self) -> Table:
@@ -344,7 +344,7 @@ class Report:
         raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
 
     def visible_tables(self) -> Iterator[Table]:
-        """Return the tables that people read: those with columns, except those with an empty `read`.
+        """Return the tables to print: those with columns, except those for which `read` is empty.
 
         Returns
         -------
@@ -354,7 +354,7 @@ class Report:
         return (each for each in self.tables if each.columns and each.read != [])
 
     def markdown(self) -> str:
-        """Return the page of all tables that people read, and of all lines.
+        """Return the text of the report in Markdown: all lines and all printed tables.
 
         Returns
         -------
@@ -370,7 +370,7 @@ class Report:
         return spell_for_python("\n\n".join(part for part in parts if part) + "\n")
 
     def write(self, folder: "Folder", pictures: bool) -> None:
-        """Write a CSV file a table, the page, and the figures as PNG and PDF.
+        """Write a CSV file for each table, the report in Markdown, and the figures as PNG and PDF.
 
         Parameters
         ----------

@@ -16,9 +16,9 @@ EDGE_WIDTH = 2
 
 
 def print_table(table: "Table", console: "Console") -> None:
-    """Print a table so that no word or number of it is cut, at any width of the console.
+    """Print a table without cutting a word or a number, at any width of the console.
 
-    Columns that may wrap become narrower first. What still has no room comes in pieces, one below
+    Columns that may wrap become narrower first. A table that is still too wide is printed in pieces, one below
     the other, each with the columns that name the rows.
     """
     from rich.measure import Measurement
@@ -43,7 +43,7 @@ def print_table(table: "Table", console: "Console") -> None:
 
 @contextmanager
 def _temporary_width(console: "Console", width: int) -> Iterator[None]:
-    """Set another width of a console in this context: longer lines are left to the terminal to break."""
+    """Change the width of a console in this context. The terminal breaks lines that are longer than its own width."""
     before = console.width
     console.width = width
     try:
@@ -53,16 +53,16 @@ def _temporary_width(console: "Console", width: int) -> Iterator[None]:
 
 
 class Sizes(NamedTuple):
-    """Letters that a column needs."""
+    """Smallest and natural width of a column, letters."""
 
     least: int
-    """Letters of its longest word, or line where it must not wrap."""
+    """Length of its longest word or, if it must not wrap, of its longest line."""
     natural: int
-    """Letters of its longest line."""
+    """Length of its longest line."""
 
 
 def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
-    """Return the letters that a column of a table needs."""
+    """Return the smallest and the natural width of the column of a table with this index, letters."""
     column = table.columns[index]
     cells = [column.header, *column.cells] if table.show_header else [*column.cells]
     texts = [console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells]
@@ -73,7 +73,7 @@ def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
 
 
 def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: int) -> Sequence[Sequence[int]]:
-    """Return the columns of each piece: row names, and as many others as fit. `edges`: letters around each column."""
+    """Return the columns (indices) of each piece: row names, and others that fit. `edges`: letters a column adds."""
     justify = [column.justify for column in table.columns[:2]]
     name_columns = [0, 1] if justify == ["right", "left"] else [0]
     pieces: list[list[int]] = []
@@ -88,7 +88,7 @@ def _split_columns(table: "Table", sizes: Sequence[Sizes], edges: int, width: in
 
 
 def _column_widths(sizes: Sequence[Sizes], width: int) -> list[int]:
-    """Return widths of columns within a total width: the least of each, and more for those with longer lines."""
+    """Return the widths of columns that share a total width: each gets its least, and more if its lines are longer."""
     widths = [size.least for size in sizes]
     remaining = width - sum(widths)
     order = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)

@@ -17,14 +17,14 @@ from walkergen.files.report import Report
 KINDS = ("walkers", "scenes", "printers")
 
 PUBLISHED_FOLDER = "published"
-"""Folder of walkers and scenes after published work, not meant for printing: published/NAME names one."""
+"""Folder of walkers and scenes from publications, not meant for printing. Their names are published/NAME."""
 
 NAME_PATTERN = re.compile(r'^name = "[^"]*"', re.MULTILINE)
-"""Line of a template that names it: every shipped one has it, above its tables."""
+"""Line with the name of a template. Every shipped template has it, above its tables."""
 
 
 class Entry(NamedTuple):
-    """One template in a listing."""
+    """Row of the list of templates."""
 
     kind: str
     name: str
@@ -32,7 +32,7 @@ class Entry(NamedTuple):
 
 
 def folder() -> Path:
-    """Return the folder of the templates: inside an installed package, next to it in a checkout."""
+    """Return the folder of the templates: inside the installed package or, in a checkout, next to it."""
     package = Path(__file__).parent.parent
     installed = package / "templates"
     return installed if installed.is_dir() else package.parent / "templates"
@@ -44,17 +44,17 @@ def names(kind: str) -> list[str]:
 
 
 def published_names(kind: str) -> list[str]:
-    """Return the names of the templates of a kind after published work, sorted: published/NAME."""
+    """Return the names of the templates of a kind that come from publications, published/NAME, sorted."""
     return sorted(f"{PUBLISHED_FOLDER}/{path.stem}" for path in (folder() / PUBLISHED_FOLDER / kind).glob("*.toml"))
 
 
 def all_names(kind: str) -> list[str]:
-    """Return the names of all templates of a kind: those to start from, then those after published work."""
+    """Return the names of all templates of a kind: first those to copy and change, then those from publications."""
     return names(kind) + published_names(kind)
 
 
 def find(name: str) -> Path:
-    """Find the template of a name in any of the kinds. Raises InputError."""
+    """Return the path of the template with this name, of any kind. Raises InputError."""
     for kind in KINDS:
         if name in all_names(kind):
             return _template_path(name, kind)
@@ -100,7 +100,7 @@ def resolve_path(name_or_path: str | Path, kind: str, near: Path = Path()) -> Pa
 
 
 def _suggest_names(name: str, known: Sequence[str], kind: str = "") -> str:
-    """Return a sentence with the known names most like a wrong one, or with all of them."""
+    """Return a sentence with the known names that are most similar to a wrong one, or with all known names."""
     close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
     return f"Did you mean {' or '.join(close)}?" if close else f"Known{kind}: {', '.join(known)}."
 
@@ -113,9 +113,9 @@ def is_path(text: str) -> bool:
 
 
 def to_toml(model: Section, comment: str, every: bool = True) -> str:
-    """Format a section as a TOML file that `load` reads back, headed by a comment of one line.
+    """Return a section as the text of a TOML file that `load` reads back, after a comment of one line.
 
-    It has every key, or without `every` only keys that were set, because some exclude each other's defaults.
+    `every`: True for all keys. Otherwise the text has only keys that were set, because some keys exclude others.
     """
     line = "".join(letter if letter.isprintable() else "?" for letter in comment)
     data = model.model_dump(mode="json", exclude_none=True, exclude_unset=not every)
@@ -123,7 +123,7 @@ def to_toml(model: Section, comment: str, every: bool = True) -> str:
 
 
 def list_templates() -> Report:
-    """Return every template with its description, kind by kind."""
+    """Return the list of all templates with their descriptions, sorted by kind."""
     entries = []
     for kind in KINDS:
         for name in all_names(kind):

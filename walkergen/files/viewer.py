@@ -1,7 +1,7 @@
 """3D view of parts, for a page of its own, or for a notebook in a frame.
 
-A frame is a sandboxed page of its own. Every view holds the viewer and the meshes, packed: a fifth of a megabyte and
-the meshes.
+A frame is a sandboxed page of its own. Every view contains the compressed viewer, a fifth of a megabyte, and the
+compressed meshes.
 """
 
 import base64
@@ -21,7 +21,7 @@ STYLE_SHEET = "part.css"
 """Style sheet of the view."""
 
 MAX_TRIANGLES = 300_000
-"""Triangles of all parts in a view: some 4 MB of a notebook, and what a laptop turns smoothly."""
+"""Largest number of triangles of all parts in a view. They take about 4 MB, and a laptop turns them smoothly."""
 
 HEIGHT_PX = 360
 """Height of a frame, pixels of the page."""
@@ -32,7 +32,7 @@ class Part(NamedTuple):
 
     name: str
     kind: str
-    """Kind of its legs, which gives its colour: flexible or braced."""
+    """Kind of its legs, flexible or braced, which determines its colour."""
     vertices: Array
     """Corners of the mesh, shape (n, 3), mm, y up, in the part's upright position."""
     triangles: Whole
@@ -47,12 +47,12 @@ def viewer_script() -> str:
 
 
 def page_scripts() -> list[str]:
-    """Return the scripts that a page with a view must let run."""
+    """Return the texts of the scripts that a page with a view must allow."""
     return [web_page.read_asset("part.js"), viewer_script()]
 
 
 def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
-    """Return the 3D view of some parts, one shown at a time, to be put into a page once."""
+    """Return HTML of a 3D view that shows one of the parts at a time. A page can contain only one."""
     corners = [part.vertices[part.triangles].astype("<f4").tobytes() for part in parts]
     return web_page.fill(
         web_page.ASSETS / "part.html.jinja",
@@ -67,9 +67,9 @@ def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
 
 
 def render_frame(parts: Sequence[Part], title: str) -> str:
-    """Render a frame (HTML) with the 3D view of some parts, and its size as text below it.
+    """Return HTML of a frame with the 3D view of parts, for a notebook, and a line of text below it.
 
-    Parts beyond MAX_TRIANGLES are left out, and named. Equal parts give equal text.
+    Parts beyond MAX_TRIANGLES are left out, and the line names them. Equal parts give equal HTML.
     """
     seen = _parts_within_limit(parts)
     left_out = [part.name for part in parts[len(seen) :]]

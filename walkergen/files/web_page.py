@@ -1,7 +1,7 @@
-"""HTML files that need nothing but themselves.
+"""HTML pages that need no other file.
 
-A content security policy lets only the page's own scripts run and nothing be fetched. The template engine escapes
-text, and HTML inside Markdown is shown as text.
+A content security policy allows only the page's scripts, and no requests. The template engine escapes text, and HTML
+inside Markdown is shown as text.
 """
 
 import base64
@@ -39,7 +39,7 @@ def render(title: str, body: markupsafe.Markup, styles: Sequence[str], scripts: 
 
 
 def fill(template: Path, **values: Any) -> markupsafe.Markup:
-    """Return the HTML of a shipped template filled with values."""
+    """Return the HTML of a template file filled with values by name."""
     return markupsafe.Markup(_load_template(template).render(values))
 
 

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
 
 
 def plate_drawing() -> "DrawPlate":
-    """Return the function that draws a plate; it loads matplotlib."""
+    """Import matplotlib, and return the function that draws the pictures of a plate."""
     from walkergen.sheets import plate_map
 
     return plate_map.draw_pictures

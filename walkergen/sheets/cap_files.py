@@ -18,11 +18,11 @@ COLUMNS = ("number", "walker", "kind", "dictionary", "marker_mm", "tile_mm", "he
 """Columns of caps.csv."""
 
 MIN_CELL_LINES = 2.0
-"""Smallest side of a cell, lines: a white cell between black ones has a line on either side."""
+"""Smallest side of a cell of a printed marker, in printed lines. A white cell between black ones is then visible."""
 
 
 class CappedWalker(NamedTuple):
-    """Walker, or copy of one, and its cap."""
+    """Walker, or copy of a walker, with its cap. `item`: name of the walker or copy."""
 
     item: str
     cap: Cap
@@ -37,8 +37,8 @@ class CappedWalker(NamedTuple):
 def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[CappedWalker]:
     """Return the caps of walkers that have one, numbered consecutively from the first design's number.
 
-    `items` are the walkers' names, copy by copy. Raises InputError for more than the dictionary has, and for caps that
-    `track` could not read in one film.
+    `items`: name of each walker or copy. Raises InputError for more caps than the dictionary has markers, and for caps
+    that `track` could not read in one film.
     """
     with_caps = [
         (design, item, design.cap) for design, item in zip(designs, items, strict=True) if design.cap is not None
@@ -83,7 +83,7 @@ def findings(capped: Sequence[CappedWalker], printer: Printer) -> list[Finding]:
 def files(capped: Sequence[CappedWalker], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
     """Yield names and bytes of the caps' files: caps.csv, caps.pdf, caps_PAGE.png, caps_PRINTER_NUMBER.3mf (or .stl).
 
-    Caps of paper are on the sheet only. Raises PlateError when a cap is too large for a printer.
+    Caps of paper are only on the sheet, caps.pdf. Raises PlateError when a cap is too large for a printer.
     """
     from walkergen.sheets import cap_sheet  # brings matplotlib
 

@@ -15,21 +15,21 @@ from walkergen.files import figures
 from walkergen.readers.walkers import caps
 
 PAGE_MM = (210.0, 297.0)
-"""Width and height of a page: A4. What is printed fits on US Letter too, but for its lower edge."""
+"""Width and height of a page: A4. On US Letter, only its lower edge is missing."""
 MM_PER_INCH = 25.4
 DPI = 600
 """Pixels per inch of the PNG: a cell of 1.2 mm has 28."""
 
 EDGE_MM, TOP_MM, BOTTOM_MM = 15.0, 30.0, 32.0
-"""Free edges of a page at the sides, above (with words) and below (with the rule), mm."""
+"""Margins of a page at the sides, above (with text) and below (with the ruler), mm."""
 COLUMN_GAP_MM, ROW_GAP_MM = 3.0, 6.0
-"""Distance between tiles across and along the page, mm; the second has room for a number."""
+"""Horizontal and vertical distance between tiles, mm. The vertical one has room for a number."""
 RULE_MM = 100.0
-"""Length of the rule that checks a page's printed size, mm."""
+"""Length of the printed ruler that shows whether a page was printed in true size, mm."""
 
 
 def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
-    """Draw pages with a tile for each cap in true size, in a grid for the widest one. Fronts point up."""
+    """Draw pages with a tile for each cap in true size, in a grid that fits the widest tile. Fronts point up."""
     width, height = PAGE_MM
     side = max(cap.side for cap in markers)
     across = max(1, int((width - 2 * EDGE_MM + COLUMN_GAP_MM) / (side + COLUMN_GAP_MM)))
@@ -41,7 +41,7 @@ def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
 
 @figures.style({})
 def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
-    """Return page `number` (from 1) of `count`; `grid`: side of a tile, mm, and number of tiles in a row."""
+    """Draw page `number` (from 1) of `count` pages. `grid`: side of a tile, mm, and number of tiles in a row."""
     width, height = PAGE_MM
     side, across = grid
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))

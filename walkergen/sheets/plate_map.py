@@ -1,4 +1,4 @@
-"""Plate map: every part at its place on the bed, from above, with its design, tilt and copy."""
+"""Plate map: every part at its position on the bed, from above, labelled with design, tilt and copy."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -24,9 +24,9 @@ from walkergen.files import figures
 MAP_INCHES = 10.0
 """Longer side of the bed, or of its visible part, in the picture, inches."""
 MARGIN_SHARE, MIN_ASPECT = 0.03, 0.3
-"""Room around the parts over the longer side of the bed; least height of a map over its width."""
+"""Margin around the parts over the longer side of the bed. Smallest height of a map over its width."""
 FULL_BED_SHARE = 0.6
-"""Share of the bed's area; a map that would show more shows the whole bed."""
+"""A map shows the whole bed if the parts and their margin take more than this share of its area."""
 INSET_SHARE = 0.12
 """Width of the small picture of the bed over that of the map."""
 LINE_INCHES = 0.175
@@ -36,7 +36,7 @@ FONT_PT = 10.0
 
 
 class Margins(NamedTuple):
-    """Room around a map, inches: for numbers and name of each axis, heading and legend."""
+    """Margins around a map, inches, for the axes' numbers and names, the heading and the legend."""
 
     left: float
     right: float
@@ -50,9 +50,9 @@ MARGINS_INCHES = Margins(0.7, 0.4, 0.6, 0.65)
 MAX_LISTED_DESIGNS = 12
 """Maximum number of designs listed below a map; the print sheet names all."""
 LEGS_SHADE = 0.6
-"""Brightness of upright legs, over that of their body."""
+"""Brightness of legs that point up, over that of their body."""
 LEG_CLEARANCE_MM = 1e-3
-"""Minimum height above the body that only legs reach, for any rounding of the mesh, mm."""
+"""Height above the body from which on a mesh counts as legs, mm: more than the rounding errors of a mesh."""
 LETTER_WIDTH_RATIO = 0.65
 """Width of a letter over the height of the font."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
@@ -68,9 +68,9 @@ def draw_pictures(
 
 
 def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
-    """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
+    """Draw the map of one plate as PNG. The label of a part is its tilt in degrees and the copy's number.
 
-    If `members` are of several designs, labels begin with the design's letter.
+    If `members` have several designs, labels begin with the design's letter.
     """
     letters = names.design_letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
@@ -97,9 +97,9 @@ def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh]
 def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], inset_width: float, lines: Sequence[str]) -> None:
     """Set the size of a map (inches), and of the figure with everything around it.
 
-    `inset_width` is that of the small picture next to the map. `lines` are the heading, then the names of designs,
-    listed below it; all are centred on the map. matplotlib's own layout would take the map's free room for the names,
-    and cut the last one off.
+    `inset_width`: width of the small picture next to the map, inches. `lines`: heading, then the names of designs,
+    which are listed below the map. All are centred on the map. The layout of matplotlib would shrink the map for the
+    names, and cut the last one off.
     """
     width, height = size
     overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER_WIDTH_RATIO * FONT_PT / 72.0 - width))
@@ -184,11 +184,11 @@ def draw_bed(axes: Axes, printer: Printer) -> None:
 
 
 class _View(NamedTuple):
-    """Walker on the bed seen from above, from its bounding box's corner: triangles, (k, 3, 2)."""
+    """Triangles of a walker on the bed seen from above, shape (k, 3, 2) each, mm, from its bounding box's corner."""
 
     walker: Array
     legs: Array
-    """Upright legs, on top of the whole; none of a walker on its side."""
+    """Triangles of legs that point up, drawn on top of the walker; none for a walker on its side."""
 
 
 def _top_view(design: Design, mesh: Mesh) -> _View:
@@ -200,7 +200,7 @@ def _top_view(design: Design, mesh: Mesh) -> _View:
 
 
 def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
-    """Return the outline of a walker with its legs up, and the outline of what is above the body."""
+    """Return the outline, seen from above, of a walker with its legs up, and the outline of its legs."""
     solid = modeller.to_solid(mesh.shift(-mesh.vertices.min(axis=0)))
     legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + LEG_CLEARANCE_MM)
     return solid.project(), legs.project()
@@ -223,7 +223,7 @@ def _underside(mesh: Mesh) -> Array:
 
 
 def _legend_lines(letters: Mapping[str, str]) -> list[str]:
-    """Return lines that list the letter of each design. `letters` are by the designs' names."""
+    """Return lines that list the letter of each design. `letters`: letters by the names of designs."""
     listed = [f"{letter}: {name}" for name, letter in letters.items()]
     more = len(listed) - MAX_LISTED_DESIGNS
     return listed[:MAX_LISTED_DESIGNS] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
@@ -246,7 +246,7 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
 
 
 def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Return x, y and font height (mm) of a label halfway up between two equal legs, from the box's corner."""
+    """Return x, y and font height (mm) of a label in the middle between two equal legs, from the box's corner."""
     left, bottom = mesh.vertices[:, :2].min(axis=0)
     below = 0.5 * (-bottom - 0.5 * design.size.thickness)
     middle = below * math.tan(design.limbs[0].tilt) - left
@@ -254,7 +254,7 @@ def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, 
 
 
 def _fit_on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Return x, y and font height (mm) of a label on a part next to its legs, from the box's corner.
+    """Return x, y and font height (mm) of a label on a part next to its legs, from the corner of its bounding box.
 
     Dividing x by the label's width over its height turns the label into a square. The square in the largest circle
     within the free area is almost the largest label.
