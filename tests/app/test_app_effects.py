@@ -11,7 +11,7 @@ PAPER = document() | {"scene": "lane-90hz"}
 
 def test_effects_that_nobody_measured_have_no_picture(tmp_path):
     assert (
-        "the effects of this walker have not been measured. Measure them first."
+        "the effects of this walker have not been measured. Measure them first"
         in Doors(tmp_path).ask("effects_drawn", {"document": PAPER}).refused
     )
 

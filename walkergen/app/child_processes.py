@@ -26,14 +26,14 @@ SIMULATION_MODULE = "walkergen.app.simulation_child"
 """Module that simulates a walker: a first estimate, a run for playback, then the complete request."""
 
 MAX_CHILDREN = 4
-"""Largest number of simultaneous children. A browser opens six connections to a server, for all its
-tabs together, and their sliders need some."""
+"""Largest number of simultaneous child processes. A browser opens six connections to a server, for all tabs together,
+and sliders need some of them."""
 
 KILL_DELAY_S = 1.0
 """Time after which an interrupted child is killed, s."""
 
 PAUSE_S = 0.2
-"""Time between two progress events of a child, s."""
+"""Smallest time between two progress events of a child, s."""
 
 MAX_LINE_BYTES = 2**26
 """Longest line of a child, bytes. A run for playback is one line of 0.3 MB."""
@@ -53,8 +53,8 @@ async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[
     if len(running - {task}) >= MAX_CHILDREN:
         yield {
             "refused": [
-                f"{MAX_CHILDREN} runs, searches or files are being made for pages of this server, which is the "
-                "most at once: stop one, or wait until one is done"
+                f"{MAX_CHILDREN} runs, searches or files are already being made for pages of this server. "
+                "Stop one, or wait until one is done."
             ]
         }
         return
@@ -126,7 +126,7 @@ def progress_sender(stream: Any = None) -> Progress:
 
 
 async def _stop_child(child: asyncio.subprocess.Process) -> None:
-    """End a child and its workers, first by SIGINT, so that no file is left half written, then by SIGKILL."""
+    """End a child and its workers: first by SIGINT, so that no file stays incomplete, then by SIGKILL."""
     try:
         _send_signal(child, "SIGINT")
         with contextlib.suppress(TimeoutError):

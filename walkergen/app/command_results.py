@@ -1,4 +1,4 @@
-"""Results of commands that a page runs on its walker: the effects of its scene, and ten walkers in a dish."""
+"""Command lines that a page runs on its walker, and their results: effects of the scene, and ten walkers in a dish."""
 
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,12 @@ MAX_PICTURE_BYTES = 10_000_000
 
 
 def explain_arguments(document: Document, folder: Path) -> list[str]:
-    """Return command-line arguments that measure each effect, with a figure below `folder`. Raises InputError."""
+    """Return the command line that measures each effect of the scene and draws them below `folder`."""
     return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
 
 
 def read_picture(document: Document, folder: Path) -> dict[str, str]:
-    """Return {"picture": data URL} with the figure of the effects below `folder`. Raises InputError without one."""
+    """Return the figure of the effects below `folder` as {"picture": data URL}. Raises InputError if there is none."""
     path = _folder(document, folder) / "explain.png"
     try:
         data = path.read_bytes()[:MAX_PICTURE_BYTES]
@@ -47,7 +47,7 @@ TRACK_COLUMNS = ("t_s", "particle", "x_mm", "y_mm", "theta_rad")
 
 
 def crowd_arguments(document: Document, folder: Path) -> list[str]:
-    """Return command-line arguments that simulate ten walkers in a dish, with their tracks below `folder`.
+    """Return the command line that simulates ten walkers in a dish and writes their tracks below `folder`.
 
     The scene is an open plate, or a table for walkers with a motor. Raises InputError.
     """

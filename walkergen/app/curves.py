@@ -11,13 +11,13 @@ from walkergen.core.theory import prediction
 from walkergen.core.walker.design import Design
 
 MAX_CURVE_TILT_DEG = 45.0
-"""Largest tilt of the curve, unless the walker's own is larger."""
+"""Largest tilt of the curve, unless the tilt of the walker is larger."""
 
 TILT_TOLERANCE_DEG = 0.2
-"""Error of the largest tilt at which a walker can be built, if building limits the curve."""
+"""Largest error of the end of the curve, if it ends at the largest tilt at which the walker can be built."""
 
 JOINED_POINTS, ROUGH_POINTS = 19, 13
-"""Points of the curve if the modeller joins legs to a body, which is slow, and while sliders move."""
+"""Number of points of the curve for bodies to which legs must be joined, which is slow, and while sliders move."""
 
 MAX_CACHED_CURVES = 32
 """Number of cached curves."""
@@ -28,8 +28,23 @@ Curve = dict[str, list[float | None]]
 def speed_curve(document: Document, rough: bool) -> Curve | None:
     """Predict the walker's speed (mm/s) and its bounds against tilt (deg), for all tilts at which it can be built.
 
-    `rough`: True for fewer points. Speeds are None at tilts that need a simulation. The curve is None if the legs share
-    no tilt, or no other tilt can be built. It does not depend on the walker's own tilt. Raises InputError.
+    Parameters
+    ----------
+    document : Document
+        Document of the page. The curve does not depend on the tilt of its walker.
+    rough : bool
+        True for fewer points.
+
+    Returns
+    -------
+    dict of list or None
+        Columns of the curve. Speeds are None at tilts that need a simulation. None instead of a curve if the legs share
+        no tilt, or if no other tilt can be built.
+
+    Raises
+    ------
+    InputError
+        If the document is invalid.
     """
     design, scene = document.load_design(), document.load_scene()
     if not design.has_family_tilt:
@@ -47,7 +62,7 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
 
 
 def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:
-    """Return the speed curve under the key "curve". A bare None would count as a closed page."""
+    """Return {"curve": speed curve}. A result of None would mean that the page is closed."""
     return {"curve": speed_curve(document, rough)}
 
 

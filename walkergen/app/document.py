@@ -29,13 +29,13 @@ from walkergen.inputs import KINDS, TILTS
 from walkergen.readers.walkers.marks import format_tilt
 
 MAX_KEYS = 500
-"""Most keys that a page sets."""
+"""Largest number of keys that a page sets."""
 
 MAX_CACHED_TEMPLATES = 64
 """Number of templates with changed values that are cached."""
 
 SOURCE = "page"
-"""Source of the values in messages. The page does not show it."""
+"""Name of the values' source, at the beginning of messages. The page does not show it."""
 
 FILE_KEYS = ("mesh", "outline")
 """Keys of a design that name files."""
@@ -80,16 +80,16 @@ class Message(Section):
 
 
 class PageFiles(NamedTuple):
-    """Locations of the files that pages name."""
+    """Locations of the files whose names a page may send."""
 
     uploads: Path
     """Folder of the files that were dropped onto pages."""
-    own: str | None = None
-    """Walker's file that the server was started with."""
+    walker_file: str | None = None
+    """File of a walker with which the server was started; None for a template."""
 
     def walkers(self) -> list[str]:
-        """Return the names of the walkers that a page may start from, the server's own first."""
-        return ([self.own] if self.own else []) + templates.names("walkers")
+        """Return the names of the walkers that a page may start from. The one of the command line is first."""
+        return ([self.walker_file] if self.walker_file else []) + templates.names("walkers")
 
 
 class Document(NamedTuple):
@@ -157,7 +157,7 @@ def _load_defaults(name: str, kind: str, model: type[Model]) -> tuple[Model, dic
 
 
 def from_message(data: Any, files: PageFiles) -> Document:
-    """Validate the document that a page sends, parsed from JSON. `files`: files that it may name.
+    """Return the document that a page sends, validated. `data`: its parsed JSON. `files`: files that it may name.
 
     Raises InputError for invalid documents, and for files that were not dropped onto a page.
     """
@@ -165,14 +165,14 @@ def from_message(data: Any, files: PageFiles) -> Document:
         raise InputError(f"{SOURCE}: document: must be a table")
     message = config.validate(data, Message, SOURCE)
     for kind, name in (("walkers", message.walker), ("scenes", message.scene), ("printers", message.printer)):
-        if name not in _template_names(kind) and not (kind == "walkers" and name == files.own):
+        if name not in _template_names(kind) and not (kind == "walkers" and name == files.walker_file):
             raise InputError(f"{SOURCE}: {name[:60]!r} is not one of the {kind} of this page")
     values = _resolve_files("values", message.values, files.uploads)
     return Document(message.walker, message.scene, message.printer, values)
 
 
 def parse_message(data: bytes) -> dict[str, Any]:
-    """Parse the table of a page's message. Raises InputError, also for values that no TOML file can contain."""
+    """Return the table in a page's message, parsed from JSON. Raises InputError, also for values that TOML lacks."""
     try:
         message = json.loads(data)
     except (ValueError, RecursionError):
@@ -241,7 +241,7 @@ def tilt_key(design: Design) -> str | None:
 
 
 def _family_flags(design: Design) -> list[str]:
-    """Return the flags for the walker's tilt and kind of legs, as far as its legs share them."""
+    """Return the flags for the tilt and the kind of legs of a walker, if all its legs share them."""
     tilt = ["--tilt", format_tilt(design.tilt_deg)] if design.has_family_tilt else []
     return [*tilt, "--legs", design.kind] if design.has_legs_table else tilt
 

@@ -26,7 +26,7 @@ FILE_PATTERNS = {
     "toml": "settings/*",
     "zip": "**/*",
 }
-"""Locations in their folder of the files that a page offers for download."""
+"""Patterns of the paths of the files that a page offers for download, by the name of the choice."""
 
 FORMATS = tuple(FILE_PATTERNS)
 
@@ -34,14 +34,14 @@ SWEEP_OPTIONS = {
     "legs.tilt_deg": ("--set", "legs.tilt_deg=2:40:1", "--set", "legs.length_mm=5:10:0.5"),
     "leg_tilt_deg": ("--set", "leg_tilt_deg=4:40:4", "--model", "space", "--error", "10%"),
 }
-"""Sweep that searches for a wished speed, by the key of the tilt: two equal legs are predicted, others simulated."""
+"""Options of a sweep that searches for a speed, by the key of the tilt. Two equal legs are predicted, not simulated."""
 
 
 class FileChoice(NamedTuple):
-    """Files that a page requests."""
+    """Choice of the files that a page requests."""
 
     what: str
-    """One of FORMATS."""
+    """Name of the choice, one of FORMATS."""
     copies: int
     """Number of copies on a plate."""
 
@@ -75,7 +75,7 @@ def target_folder(document: Document, folder: Path) -> Path:
 
 
 def collect_files(document: Document, choice: FileChoice, folder: Path) -> tuple[str, bytes, list[list[str]]]:
-    """Return name and contents of the chosen file, or of a zip archive of several, and the commands that made them.
+    """Return three things: name and bytes of the chosen file or of a zip archive, and the commands that made it.
 
     Raises InputError if these commands have not run, OutputError for settings that cannot be written.
     """
@@ -103,7 +103,7 @@ def _zip_files(folder: Path, paths: list[Path]) -> bytes:
 
 
 def _write_settings(document: Document, folder: Path) -> None:
-    """Write walker, scene and printer as TOML files into settings/ below `folder`, with the file of the body."""
+    """Write walker, scene and printer as TOML files into settings/ below `folder`, with the body's drawing or mesh."""
     design = document.load_design().with_explicit_leg_positions()
     alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
     alone |= {"legs": [design.kind]} if design.has_legs_table else {}

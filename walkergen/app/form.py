@@ -26,14 +26,14 @@ UNITS |= {"deg": "°", "n_per_m": "N/m", "mm2": "mm²"}
 """Units by the suffixes of keys; a longer suffix comes before its own ending."""
 
 MAX_FULL_RANGE, SLIDER_FACTOR, MAX_SLIDER_TILT_DEG = 400.0, 3.0, 45.0
-"""Widest range of a slider for numbers of either sign that is shown completely. Wider ranges, and numbers of one sign,
-end at a round number of SLIDER_FACTOR times the value. Largest tilt of the tilt's slider."""
+"""If a key allows negative numbers and its limits differ by at most MAX_FULL_RANGE, its slider covers all of them.
+Other sliders end at SLIDER_FACTOR times the value, rounded up. The slider of the tilt ends at MAX_SLIDER_TILT_DEG."""
 
 Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
 
 
 class Control(NamedTuple):
-    """Control of one key, as the page shows it."""
+    """Control of the page's form for one key."""
 
     key: str
     name: str
@@ -47,25 +47,25 @@ class Control(NamedTuple):
     """Smallest allowed number."""
     high: float | None = None
     slider: tuple[float, float] | None = None
-    """Range of its slider, before `slider_ranges` restricts it to valid walkers; None: a number field alone."""
+    """Both ends of its slider, before `slider_ranges` restricts them to valid walkers; None for no slider."""
     choices: tuple[str, ...] = ()
     optional: bool = False
     """True if the key is optional."""
     follows: bool = False
-    """True if other keys determine the value, so that the page shows it but does not offer to change it."""
+    """True if other keys determine the value, so that users of the page cannot change it."""
     is_open: bool = False
-    """True if the key leaves the value open; it then changes with the walker."""
+    """True if the key is not set, so that the value is computed and changes with the walker."""
 
 
 class Group(NamedTuple):
-    """Controls of one table."""
+    """Controls of the form for one table of keys."""
 
     title: str
     controls: list[Control]
     absent: tuple[str, Any] | None = None
-    """Key of a missing table, and its initial value; None for a table that is present."""
+    """Key of a table that the file lacks, and the value with which the page adds it; None if the file has the table."""
     optional: str | None = None
-    """Key of an optional table."""
+    """Key of a table that the page may remove; None for other tables."""
 
 
 def groups(document: Document) -> list[Group]:
@@ -95,7 +95,7 @@ def groups(document: Document) -> list[Group]:
 
 
 def real_lengths(design: Design) -> dict[str, float]:
-    """Return the walker's lengths that keys may leave open, mm, to four digits, by dotted key."""
+    """Return, by dotted key, the actual lengths of the walker for keys that need not be set, mm, to four digits."""
     legs = design.legs
     lengths = {"body.length_mm": design.size.length} if design.body.scales_with_length else {}
     limbs = () if design.is_complete_mesh else design.limbs
@@ -109,7 +109,7 @@ def real_lengths(design: Design) -> dict[str, float]:
 
 
 def _resolve(control: Control, design: Design, lengths: Mapping[str, float]) -> Control:
-    """Return a control with its real length, if its key leaves that open. It may then follow from other keys."""
+    """Return a control with the walker's actual length as its value if its key is not set, otherwise unchanged."""
     body, automatic = design.body, design.has_automatic_legs
     if control.key == "legs.length_mm" and (reach := max(limb.length for limb in design.limbs)) > control.value + 0.05:
         return control._replace(name=f"length (up to {reach:.3g} mm, where the body is higher)")
@@ -134,7 +134,7 @@ def to_dict(document: Document) -> dict[str, Any]:
 
 
 def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
-    """Yield the groups of the tables in `section`, then of its own keys. `prefix`: of these keys, such as "scene."."""
+    """Yield a group for each table in `section`, then one for its other keys. `prefix`: of all keys, as "scene."."""
     own, inner, absent = [], [], []  # controls, (table, prefix, title, key if optional) and groups of missing tables
     idle = section.unused_keys if isinstance(section, Body) else ()  # keys without effect on this shape
     for name, field in type(section).model_fields.items():
@@ -186,7 +186,7 @@ def _minimal_table(table: type[Section]) -> dict[str, Any]:
 
 
 def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
-    """Return the control for a key, from its pydantic field, value and help text `note`; None for types without one."""
+    """Return the control for a key, from its pydantic field, value and help text `note`; None for other types."""
     name, unit = _split_unit(key.rpartition(".")[2])
     types, metadata = _types_and_limits(field)
     choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
@@ -233,7 +233,7 @@ def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
 
 
 def _slider_range(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
-    """Return a slider's range within a key's limits, narrowed around its value; None without limits or value."""
+    """Return both ends of a slider: within a key's limits, and of the scale of its value; None if one is unknown."""
     if low is None or high is None or value is None:
         return None
     if low < 0.0:

@@ -1,6 +1,6 @@
-"""Messages between the server and its pages: who may send one, how long it may be, and the form of answers.
+"""Messages between the server and its pages: allowed senders, largest lengths, and the form of answers.
 
-Endpoints answer only pages of this server. Pages from elsewhere have another Host or Origin.
+Endpoints answer only pages of this server. Other pages send another Host or Origin.
 """
 
 import asyncio
@@ -47,7 +47,7 @@ full address. Or press Ctrl-C there and start walkergen again. It then opens the
 
 
 def restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
-    """Return an ASGI application that passes requests for these `hosts` to `app`, and adds headers for security.
+    """Return an ASGI application that passes requests for these `hosts` to `app`, and adds security headers.
 
     It refuses requests with another Host, or with an Origin other than their Host.
     """
@@ -118,12 +118,12 @@ def json_response(data: Any, status: int = 200) -> Response:
 
 
 def error_response(lines: list[str], status: int) -> Response:
-    """Return an answer with the reasons of a refusal, one a line, and this HTTP status."""
+    """Return an answer that refuses a request, with a reason in each line, and with this HTTP status."""
     return json_response({"refused": [{"key": "", "text": line} for line in lines]}, status)
 
 
 class EventStream(Response):
-    """Events as lines of JSON. Closing the page ends the event source."""
+    """Response that sends events as lines of JSON while they arrive. If the page is closed, the events are ended."""
 
     media_type = "application/x-ndjson"
 

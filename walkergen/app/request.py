@@ -10,7 +10,7 @@ from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
 
 FOLDER = Path("out") / "app"
-"""Folder of all that pages write."""
+"""Folder of all files that pages write."""
 
 
 class AppRequest(request.Request):

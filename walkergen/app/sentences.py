@@ -1,4 +1,4 @@
-"""Texts of a page for users of a mouse: speeds in sentences, without keys of files and flags of a shell."""
+"""Texts of the page: speeds as sentences, and messages without keys of files and flags of a shell."""
 
 import json
 import re
@@ -36,12 +36,12 @@ Kind = Literal["forward", "backward", "stands", "falls", "unknown"]
 
 
 class Speed(NamedTuple):
-    """Speed of a walker in a sentence."""
+    """Speed of a walker as a sentence."""
 
     text: str
     kind: Kind
     sure: bool
-    """False if the speed still requires a run."""
+    """False if the speed is not known without a simulation."""
 
 
 def format_speed(row: Prediction) -> Speed:
@@ -81,7 +81,7 @@ def _format_size(value: float) -> str:
 
 
 def _format_range(low: float, high: float) -> str:
-    """Format a range of speeds, mm/s. Negative speeds are to the left."""
+    """Format a range of speeds, mm/s. With a negative speed a walker runs to the left."""
     if low >= 0.0:
         return f"between {_format_size(low)} and {_format_size(high)}"
     if high <= 0.0:
@@ -90,7 +90,7 @@ def _format_range(low: float, high: float) -> str:
 
 
 def format_runs(facts: Mapping[str, Any]) -> str:
-    """Describe the simulated speed in a sentence, from the JSON output of `simulate`."""
+    """Return a sentence on the simulated speed. `facts`: JSON output of `simulate`."""
     value, error = facts["speed_mm_s"], facts["speed_se_mm_s"]
     if value is None:
         return "No run ended with a speed."
@@ -120,7 +120,7 @@ def format_title(name: str) -> str:
 
 
 def to_plain_text(text: str) -> str:
-    """Rewrite a message for users of the page: keys of files become words, clauses with a shell flag are dropped."""
+    """Return a message in words for users of the page: keys become names, clauses with a shell flag are dropped."""
     clauses = re.split(r"(?<=[;:,.]) ", text)
     kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|[`‹]|walkergen ", clause)]
     text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))

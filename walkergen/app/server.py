@@ -130,7 +130,7 @@ async def _read_request(server: Server, request: Request) -> tuple[Document, dic
 
 
 async def _send_start_data(server: Server, request: Request) -> Response:
-    """Return what a page loads once: the names of all templates, and the document to begin with."""
+    """Send the data that a page loads once: the names of all templates, and the document to begin with."""
     names = {kind: templates.names(kind) for kind in templates.KINDS}
     about = {row["name"]: row["description"] for row in templates.list_templates().facts["rows"]}
     kept = await asyncio.to_thread(_load_saved, server)
@@ -177,7 +177,7 @@ async def _send_walker(server: Server, request: Request) -> Response:
 
 
 def _is_rough(server: Server, fields: MessageFields) -> bool:
-    """Return whether the page requests a curve of few points, as while a slider moves."""
+    """Return whether the page requests a curve with few points, as it does while a slider moves."""
     return fields.get("rough") is True
 
 
@@ -207,13 +207,13 @@ def _output_folder(name: str) -> WorkArgument:
 async def _run_on_document(
     work: Callable[..., Result], extra_arguments: Sequence[WorkArgument], server: Server, request: Request
 ) -> Result:
-    """Call `work` in another process with the page's document and the results of `extra_arguments` for this request."""
+    """Return the result of `work`, called in another process with the page's document and the extra arguments."""
     document, fields = await _read_request(server, request)
     return await _await_work(server.workers, request, work, document, *(get(server, fields) for get in extra_arguments))
 
 
 def _answer_endpoint(work: Callable[..., Any], *extra_arguments: WorkArgument, key: str = "") -> Endpoint:
-    """Return an endpoint that answers with the result of `work`, in a table under `key` if that is given."""
+    """Return an endpoint that answers with the result of `work`. With a `key` the answer is {key: result}."""
 
     async def endpoint(server: Server, request: Request) -> Response:
         result = await _run_on_document(work, extra_arguments, server, request)
@@ -250,7 +250,7 @@ async def _run_simulation(server: Server, request: Request) -> Response:
 
 
 async def _make_files(server: Server, request: Request) -> Response:
-    """Make the requested files by running commands, and stream their events. `take` sends the files."""
+    """Make the requested files by running commands, and stream their events. `_send_files` sends the files."""
     commands = await _run_on_document(downloads.file_commands, (_file_choice, _output_folder("")), server, request)
     if not commands:
         return Response(b"", media_type=messages.EventStream.media_type)

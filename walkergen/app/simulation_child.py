@@ -1,6 +1,6 @@
-"""Child process of the server that simulates a walker, for its prediction or with all runs of its scene.
+"""Child process of the server that simulates a walker: short runs for a prediction, or all runs of its scene.
 
-A prediction takes runs of seconds. A first estimate and a run for playback come before all runs.
+Before all runs it sends a first estimate, and one run for playback.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ PLAYBACK_S = 3.0
 
 
 def main() -> int:
-    """Simulate the walker in the document that the server sent, or only predict its speed; returns the exit code."""
+    """Simulate the walker in the document that the server sent, or only predict its speed. Return the exit code."""
     sent = child_processes.receive_and_watch_server()
     document = Document(**sent["document"])
     try:
@@ -42,7 +42,7 @@ def main() -> int:
 
 
 def _predict(design: "Design", scene: "Scene") -> None:
-    """Predict a walker by short runs, which caches its speed for later requests, and send the event "predicted"."""
+    """Predict a walker with short runs, cache its speed for later requests, and send the event "predicted"."""
     from walkergen.commands.predict import make
 
     make.predict(design, [design], scene, "coulomb", progress=child_processes.progress_sender())

@@ -11,13 +11,13 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
 ERROR = 1.000001 / 2**7
-"""Error of an end relative to the searched interval: seven halvings."""
+"""Largest error of an end of a range, relative to the searched interval. Seven halvings reach it."""
 
 MIN_RANGE_SHARE = 0.05
-"""Smallest range of a slider relative to the key's range. A narrower one is dropped, as it could hardly move."""
+"""Smallest range, relative to the whole range of the slider. A smaller one is dropped: the slider could hardly move."""
 
 MAX_CPU_S = 0.6
-"""CPU time after which the remaining sliders keep the range of their key, s. Solids of some bodies are slow."""
+"""CPU time, s, after which the remaining sliders keep their whole range. Building some bodies is slow."""
 
 
 def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -62,5 +62,5 @@ def nearest_buildable(design_at: Callable[[float], Design], near: float, far: fl
 
 
 def _design_with(document: Document, key: str, value: float) -> Design:
-    """Return the document's walker with another value of a key, without marks of its tilt."""
+    """Return the document's walker with another value of a key, and without engraved marks."""
     return document._replace(values={**document.values, key: value}).load_design().unmarked

@@ -1,4 +1,4 @@
-"""Static page: its HTML, its scripts and its style, the same for every walker."""
+"""Static files of the page: HTML, scripts and style sheets, the same for every walker."""
 
 from functools import cache
 from pathlib import Path

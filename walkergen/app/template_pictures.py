@@ -13,7 +13,7 @@ WIDTH, HEIGHT, MARGIN = 120.0, 60.0, 6.0
 """Size of a picture and its margin around the walker, pixels."""
 
 VIEW_AXES = np.array([[0.87, 0.0, 0.5], [0.21, 0.91, -0.36]])
-"""Axes of the picture, to the right and upward, in the frame of the walker: from the front, left
+"""Axes of the picture, to the right and upward, in the frame of the walker, which is seen from the front, the left
 and above."""
 
 

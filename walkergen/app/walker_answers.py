@@ -35,7 +35,7 @@ UPLOAD_PATH = re.compile(
 """Path of a file that was dropped onto a page. Users do not know this path."""
 
 LEG_GAP_MM = 1e-4
-"""Distance below the body's underside beyond which a triangle belongs to a leg."""
+"""A triangle belongs to a leg if its middle is more than this below the underside of the body."""
 
 
 def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
@@ -101,9 +101,17 @@ def printing_outlook(document: Document) -> dict[str, Any]:
 def variance_shares(document: Document) -> list[dict[str, Any]]:
     """Return each uncertain input's share of the variance of the speed, largest first.
 
-    The share `part` would vanish if that input alone were known. The last one is caused by several inputs together.
-    `key`: key under which a measured value is entered, "" without one. The list is empty if only runs give the speed.
-    Raises WalkergenError, as `walker_facts` does.
+    Returns
+    -------
+    list of dict
+        `name`: name of the input. `part`: share of the variance that vanishes if the input is known exactly. `key`:
+        key for a measured value of the input, "" without one. The last entry is the share of several inputs together.
+        The list is empty if the speed needs a simulation.
+
+    Raises
+    ------
+    WalkergenError
+        If the walker cannot be built or predicted.
     """
     design, scene = document.load_design(), document.load_scene()
     report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
@@ -123,7 +131,7 @@ def variance_shares(document: Document) -> list[dict[str, Any]]:
 
 
 def _page_key(name: str, design: Design) -> str:
-    """Return the key in the page's form of an uncertain input, from its name in predictions; "" without a key."""
+    """Return the key of an uncertain input in the page's form; "" without one. `name`: its name in predictions."""
     table, _, key = name.partition(".")
     if table == "legs":
         return f"legs.{design.kind}_{key}" if design.has_legs_table else ""
@@ -131,9 +139,13 @@ def _page_key(name: str, design: Design) -> str:
 
 
 def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
-    """Return the mistakes that an error reports, in words for the page, each with its key ("" without one).
+    """Return the mistakes that an error reports, as JSON values.
 
-    The last mistake has the remedies as `helps`, and `drawn` is True if `trouble_picture` shows it.
+    Returns
+    -------
+    list of dict
+        `key`: key of the mistake, "" without one. `text`: message for users of the page. `helps`: remedies, of the last
+        mistake only. `drawn`: True for the last mistake if `trouble_picture` shows it.
     """
     mistaken = error if isinstance(error, InputError) else InputError(error.text)
     keys, remedies = mistaken.keys, mistaken.remedies
@@ -154,7 +166,7 @@ def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
 
 
 def trouble_picture(document: Document) -> dict[str, str]:
-    """Return {"picture": data URL}: the body with missing room for legs in red; "" for a body with enough room."""
+    """Return {"picture": data URL} of the body, red where legs lack room; "" instead of a URL if they have room."""
     from walkergen.commands.family import unsupported_body as drawing
     from walkergen.files import figures
 
@@ -180,7 +192,7 @@ def leg_mask(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
 
 
 def _format_finding(finding: Finding) -> dict[str, Any]:
-    """Return a printing check's finding in words, with the setting that would mend it as `does`; None without one."""
+    """Return a finding of the printing checks as JSON values. `does`: the setting that corrects it, or None."""
     setting = finding.setting
     text = sentences.to_plain_text(finding.text if setting is None else finding.seen_text)
     does = None if setting is None else setting._asdict() | {"words": sentences.format_setting(*setting)}
@@ -188,7 +200,7 @@ def _format_finding(finding: Finding) -> dict[str, Any]:
 
 
 def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
-    """Yield the dimension lines to draw on the part: end points in its frame, mm, and the length as text."""
+    """Yield the dimension lines of the part: both ends in the frame of its mesh, mm, and the length as text."""
     length, thickness, depth = design.size
     x, y = 0.5 * length, 0.5 * thickness
 
@@ -219,7 +231,7 @@ def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
 
 
 def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
-    """Yield position and percentage of the weight of back and front feet; nothing unless feet have two positions."""
+    """Yield position and weight (percent) of back and of front feet; nothing unless feet have just these positions."""
     places = sorted({round(limb.along, 6) for limb in design.limbs})
     if len(places) != 2:
         return
@@ -231,5 +243,5 @@ def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, floa
 
 
 def part_name(document: Document) -> str:
-    """Return the name of the page's walker in names of its files."""
+    """Return the name of the page's walker that begins the names of its files."""
     return names.part_name(document.load_design())

@@ -1,7 +1,7 @@
-"""Processes that answer requests of pages on shapes and numbers. A slow one ends without the others.
+"""Worker processes that compute answers for pages. Ending a slow one leaves the others unchanged.
 
-Closing a page ends the work for it. A shape that fills the memory, or that cannot be built in the
-time, is refused. Each process caches its solids, so that the next step of a slider is fast.
+Closing a page ends the work for it. A shape that needs too much memory or time
+is refused. Each process caches its solids, so that the next step of a slider is fast.
 """
 
 import asyncio
@@ -25,10 +25,10 @@ from walkergen.core.errors import InputError, WalkergenError
 from walkergen.points import worker_pool
 
 MAX_WORKERS = 6
-"""Largest number of processes. One begins at the start, others when work is slow, so that pages do not wait."""
+"""Largest number of processes. One is started with the server, others when work is slow, so that pages do not wait."""
 
 QUEUE_WAIT_S = 0.3
-"""Time that work waits for a process before another one begins, s."""
+"""Time that work waits for an idle process before another one is started, s."""
 
 MAX_ANSWER_CPU_S, MAX_START_S = 30.0, 120.0
 """Longest CPU time of an answer, and wall time of a process's start, s."""
@@ -45,10 +45,10 @@ START_METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_met
 PRELOADED_MODULES = [
     f"walkergen.app.{name}" for name in ("walker_answers", "curves", "form", "downloads", "command_results")
 ]
-"""Modules that answers require. If processes can be copied, one process imports them for all."""
+"""Modules that compute answers. If processes can be forked, one process imports them for all."""
 
 DEFERRED_MODULE, IDLE_S = "walkergen.points.short_simulation", 3.0
-"""Module for walkers that require runs, imported after this idle time, s. The import takes half a second, and the
+"""Module for walkers that must be simulated, imported after this idle time, s. The import takes half a second, and the
 collision code of meshes, loaded then as well, another half. A loading page needs the cores itself."""
 
 MAX_ADDRESS_BYTES = 6 * 2**30
@@ -60,16 +60,16 @@ Result = TypeVar("Result")
 
 
 class Worker(NamedTuple):
-    """Process and its connection."""
+    """Worker process and the connection to it."""
 
     process: Any
     connection: Connection
     ready: list[Any]
-    """Its first message after the start; empty until then."""
+    """First message of the process after its start; empty until it has arrived."""
 
 
 class Workers:
-    """Processes that compute answers, started on demand."""
+    """Pool of worker processes that compute answers. Processes are started on demand."""
 
     def __init__(self) -> None:
         self._idle: queue.LifoQueue[Worker] = queue.LifoQueue()
@@ -145,7 +145,7 @@ def _stop_worker(worker: Worker) -> None:
 
 
 def _request_answer(worker: Worker, work: Callable[..., Any], arguments: Any, gone: threading.Event) -> Any:
-    """Let a process call `work`. Return its result, or the error that it raised, as a value.
+    """Let a process call `work`. Return the result or, also as a value, the error that `work` raised.
 
     Return ABANDONED_ERROR if `gone` is set: the page is closed. Raises InputError if the process ends or is too slow.
     """
@@ -225,7 +225,7 @@ def _preload_meshes() -> None:
 
 
 def _run_work(work: Callable[..., Any], arguments: Any) -> Any:
-    """Call `work`, and return its result or the error that it raises."""
+    """Call `work`. Return its result or, as a value, the error that it raises."""
     try:
         return work(*arguments)
     except InputError as error:
