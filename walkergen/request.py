@@ -224,7 +224,7 @@ Ground = Annotated[Any, file_flag("scenes", "Scene: a template or a TOML file.")
 HOME_HELP = f"Scene: a template or a TOML file. Default: {LANE_SCENE}, or {TABLE_SCENE} with a motor."
 Home = Annotated[Any, file_flag("scenes", HOME_HELP, optional=True)]
 Machine = Annotated[Any, file_flag("printers", "Printer: a template or a TOML file.")]
-Tilt = Annotated[float | None, Flag("Tilt of the legs.", "DEG")]
+Tilt = Annotated[float | None, Flag("Tilt of the legs, deg.", "DEG")]
 Legs = Annotated[Kind | None, Flag("Kind of legs: flexible or braced.", "KIND")]
 Tilts = Annotated[
     list[float] | None,
@@ -242,13 +242,13 @@ Restitution = Annotated[
     float | None, Flag("Coefficient of restitution, 0..1.", "NUMBER", sets="scene.contact.restitution")
 ]
 Friction = Annotated[float | None, Flag("Friction coefficient, >= 0.", "NUMBER", sets="scene.contact.friction")]
-Gamma = Annotated[float | None, Flag("Peak acceleration over g.", "NUMBER", sets="scene.drive.gamma")]
+Gamma = Annotated[float | None, Flag("Peak acceleration of the plate over g.", "NUMBER", sets="scene.drive.gamma")]
 Frequency = Annotated[float | None, Flag("Frequency of the drive, Hz.", "HZ", sets="scene.drive.frequency_hz")]
 Mode = Annotated[Literal["coulomb", "paper"], Flag("Theory: coulomb (feet may stick) or paper (eq. 15).", "MODE")]
 Seconds = Annotated[float | None, Flag("Measured time of each simulated run, s.", "S", sets="scene.run.seconds")]
 Runs = Annotated[int | None, Flag("Number of simulated runs.", "N", sets="scene.run.runs")]
 Seed = Annotated[int | None, Flag("Seed of the runs' random starts.", "N", sets="scene.run.seed")]
-Step = Annotated[float | None, Flag("Time step.", "MICROSECONDS", sets="scene.run.step_us")]
+Step = Annotated[float | None, Flag("Time step, microseconds.", "MICROSECONDS", sets="scene.run.step_us")]
 Effects = Annotated[
     float | None,
     BeforeValidator(field_values.parse_effects),

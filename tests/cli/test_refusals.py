@@ -67,7 +67,7 @@ LONG = [
     ("design", "a = " + "[" * 20_000, "not valid TOML"),
     ("design", LEGS * 33, "mine.toml:1: legs: 66 entries: must be at most 64"),
     ("orders", ORDERS + "koumakis2016,10,," + "9" * 5000 + "\n", ":2: copies = "),
-    ("orders", ORDERS + "koumakis2016,5,,1\n" * 5001, "5001 rows; at most 5000"),
+    ("orders", ORDERS + "koumakis2016,5,,1\n" * 5001, "5001 rows, at most 5000 are possible. Split the list."),
     ("orders", ORDERS + "#" * 10_000_000, "10000028 bytes, more than 1000000"),
     ("svg_body", SVG.format(f'<defs><rect id="u0" width="1" height="1"/>{USES}</defs><use href="#u11"/>'), "20000 ele"),
     ("svg_body", SVG.format("<g>" * 3000 + '<rect width="1" height="1"/>' + "</g>" * 3000), "nested"),

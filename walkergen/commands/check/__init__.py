@@ -1,1 +1,1 @@
-"""The job `check`: whether walkers will print as designed, without any file."""
+"""The job `check`: whether walkers will print as designed. It writes no file."""

@@ -1,4 +1,4 @@
-"""Printability checks of walkers on arranged plates: walls in printed lines, and problems."""
+"""Printability checks of walkers on arranged plates: wall thicknesses in printed lines, and findings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,32 +14,32 @@ from walkergen.files.report import Report, Table
 
 
 class Wall(NamedTuple):
-    """Wall thickness that occurs among the members, as the printer prints it."""
+    """Wall thickness of the checked walkers, and how the printer prints it. `wall`: name of the wall."""
 
     wall: str
     thickness_mm: float
     lines: float
     """Thickness of the wall in printed lines."""
     plastic_percent: float
-    """Expected deviation of the wall's plastic from the mesh, percent."""
+    """Expected volume of plastic in the wall, more (+) or less (-) than in the mesh, percent."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CheckReport(Report):
-    """Wall thicknesses of walkers, and the findings of the checks."""
+    """Wall thicknesses of walkers, and the findings of the printability checks."""
 
     findings: Sequence[Finding]
 
 
 def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> CheckReport:
-    """Run the printability checks on arranged copies of the members; writes nothing."""
+    """Return the report of the printability checks on copies of the members, arranged on plates. Writes no file."""
     built = [solids.build(design) for design in members]
     layout = plates.layout_without_plates(members, built, copies, printer)
     if all(packing.capacity(part, layout.printer) for part in layout.parts):
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
         layout = plates.add_findings(layout)
-    unlike_walls = dict.fromkeys(
+    distinct_walls = dict.fromkeys(
         Wall(
             wall.name,
             wall.thickness,
@@ -49,12 +49,12 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for wall in walls.upright_walls(design)
     )
-    attitudes = list(dict.fromkeys(map(print_sheet.describe_orientation, members, layout.supported)))
-    return _report(list(unlike_walls), layout, attitudes, sum(copies))
+    orientations = list(dict.fromkeys(map(print_sheet.describe_orientation, members, layout.supported)))
+    return _report(list(distinct_walls), layout, orientations, sum(copies))
 
 
-def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
-    """Make the report of the walls, the walkers' orientation on the bed, and all findings."""
+def _report(rows: Sequence[Wall], layout: plates.Layout, orientations: Sequence[str], parts: int) -> CheckReport:
+    """Make the report of the walls, the walkers' orientations on the bed, and all findings."""
     findings, printer = group_findings(layout.findings), layout.printer.name
     counts = [
         _format_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")
@@ -66,7 +66,7 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
         tables=[
             Table(
                 "walls",
-                unlike_walls,
+                rows,
                 Wall._fields,
                 (
                     report.text_column("wall", "wall"),
@@ -77,14 +77,14 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
             )
         ],
         facts={
-            "walls": [wall._asdict() for wall in unlike_walls],
+            "walls": [wall._asdict() for wall in rows],
             "findings": [finding._asdict() for finding in findings],
-            "orientations": list(attitudes),
+            "orientations": list(orientations),
             "parts": parts,
             "plates": sheets,
         },
         lines=[
-            *(f"printed {attitude}" for attitude in attitudes),
+            *(f"printed {orientation}" for orientation in orientations),
             *(f"{finding.level}: {finding.line}" for finding in findings if finding.level != "error"),
             f"{_format_count(parts, 'part')} on {_format_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
         ],
@@ -93,7 +93,7 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
 
 
 def _format_plastic(wall: Wall) -> str:
-    """Format the deviation of a wall's plastic from the mesh, percent."""
+    """Format the deviation of the plastic in a wall from the mesh, percent."""
     percent = round(wall.plastic_percent)
     return f"{percent:+d} %" if percent else "as drawn"
 

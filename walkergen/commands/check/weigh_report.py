@@ -22,7 +22,7 @@ class WeighReport(Report):
 
 
 class Line(NamedTuple):
-    """Line of mass properties for printing: up to three numbers and their unit."""
+    """Line of the printed mass properties: a label, up to three numbers, and their unit."""
 
     label: str
     numbers: tuple[str, ...]
@@ -30,7 +30,7 @@ class Line(NamedTuple):
 
 
 def _number_column(index: int) -> Column:
-    """Return the column of the numbers at an index of the lines."""
+    """Return the column of the first, second or third (index 0, 1, 2) number of each line."""
     return Column("", lambda line: line.numbers[index] if index < len(line.numbers) else "", right=True)
 
 
@@ -38,7 +38,7 @@ LINE_COLUMNS = (report.text_column("", "label"), *map(_number_column, range(3)),
 
 
 def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) -> WeighReport:
-    """Make the report of the objects of a file, weighed at a density; `scale_mm` is its unit's length."""
+    """Make the report of the weighed objects of a mesh file. `scale_mm`: length of the file's unit, mm."""
     several = [weighing.total] if len(weighing.parts) > 1 else []
     parts = [*weighing.parts, *several]
     pages = [
@@ -87,5 +87,5 @@ def _lines(part: ObjectMass) -> Iterator[Line]:
 
 
 def _zero_rounding(row: Array) -> Array:
-    """Return the values of a row, with pure rounding errors set to zero."""
+    """Return the values of a row, with zero for values that are only rounding errors."""
     return np.where(np.abs(row) < 1e-12 * np.abs(row).max(), 0.0, row)

@@ -1,4 +1,4 @@
-"""Mass properties of any mesh file, in the file's own axes: of each object and of all together."""
+"""Mass properties of each object in a mesh file, and of all objects together, in the axes of the file."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from walkergen.readers.meshes import faults, meshes
 
 
 class ObjectMass(NamedTuple):
-    """Mass properties of one object, or of all, in the file's axes."""
+    """Mass properties of one object, or of all objects together, in the axes of the file."""
 
     name: str
     triangles: int
@@ -31,22 +31,21 @@ class ObjectMass(NamedTuple):
 
 
 class Weighing(NamedTuple):
-    """Results of weighing."""
+    """Mass properties of the objects of a mesh file."""
 
     parts: tuple[ObjectMass, ...]
     total: ObjectMass
     sha256: str
     """Hash of the file's bytes."""
     notes: tuple[str, ...]
-    """What was left out of the file or repaired, a few words each."""
+    """Notes on parts of the file that were left out or repaired."""
 
 
 def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
-    """Weigh every object of a mesh file, and all of them together.
+    """Compute the mass properties of every object of a mesh file, and of all objects together.
 
-    `scale_mm` is the length of the file's unit in mm (3MF names its unit; there it multiplies). A
-    3MF file may hold several objects, each one body; any other file is one body. Raises InputError
-    for unreadable or invalid files.
+    `scale_mm`: length of the file's unit, mm. A 3MF file states its unit, which is multiplied by `scale_mm`. A 3MF
+    file may contain several objects, any other file is one object. Raises InputError for unreadable or invalid files.
     """
     source = str(path)[-80:]
     loaded = meshes.read_mesh(path, source)
@@ -68,7 +67,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
 
 
 def _check_size(side_mm: float) -> list[str]:
-    """Return a note if the longest side (mm) is one that no walker has."""
+    """Return a list with a note if the longest side (mm) is too long or too short for a walker, otherwise []."""
     if size_check.MIN_LENGTH_MM < side_mm <= size_check.MAX_LENGTH_MM:
         return []
     return [
@@ -78,9 +77,10 @@ def _check_size(side_mm: float) -> list[str]:
 
 
 def principal_axes(tensor: Array) -> tuple[Array, Array]:
-    """Return the principal moments, ascending, and axes, a row each: right-handed, largest parts positive.
+    """Return the principal moments, ascending, shape (3,), and the principal axes, one in each row, shape (3, 3).
 
-    The third axis follows from the first two; axes of equal moments are any of their plane.
+    The axes are right-handed. The largest components of the first two are positive. Axes of equal moments are any of
+    their plane.
     """
     moments, columns = np.linalg.eigh(tensor)
     axes = columns.T
@@ -91,7 +91,7 @@ def principal_axes(tensor: Array) -> tuple[Array, Array]:
 
 
 def _mass_properties(name: str, triangles: int, solid: SolidMass) -> ObjectMass:
-    """Return the mass properties of a weighed solid, with its principal axes."""
+    """Return the mass properties of a solid, with its principal axes. `triangles`: their number in its mesh."""
     tensor = 0.5 * (solid.tensor + solid.tensor.T)  # rounding alone makes it unequal
     volume, mass_g = float(solid.volume), float(solid.mass)
     return ObjectMass(name, triangles, volume, mass_g, solid.centre, tensor, *principal_axes(tensor))

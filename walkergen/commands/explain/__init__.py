@@ -1,1 +1,1 @@
-"""The job `explain`: the effects that a scene calls for, and what they cost."""
+"""The job `explain`: the physical effects that a scene requires, and their cost in CPU time."""

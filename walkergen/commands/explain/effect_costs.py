@@ -1,4 +1,4 @@
-"""Measured change of a walker's speed and CPU time from each effect, within some seconds."""
+"""Change of a walker's speed and CPU time by each effect, measured with simulations of a few seconds."""
 
 import time
 from collections.abc import Sequence
@@ -19,31 +19,31 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BUDGET_S, SINGLE_EFFECT_SHARE = 10.0, 0.8
-"""Time of all runs, s, and the share of it for the effects one at a time."""
+"""Time for all runs, s, and the share of it for switching effects one at a time."""
 
 MIN_RUNS, ACTIVE_RUNS = 4, 4
-"""Fewest runs of each scene within BUDGET_S, and the runs of each for the active effects alone."""
+"""Smallest number of runs of each scene within BUDGET_S, and number of runs if only active effects are measured."""
 
 ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
-"""Accepted changes, as shares of the speed. The advice uses the smallest one that allows leaving an effect out."""
+"""Shares of the speed. An effect may be left out if it changes the speed by less. The smallest sufficient is used."""
 
 MAX_CPU_RATIO = 0.95
-"""Largest ratio of CPU times, without an effect to with it, at which leaving it out is advised."""
+"""Leaving an effect out is advised if the CPU time without it is at most this share of the time with it."""
 
 NO_ADVICE = "leave nothing out: every active effect changes the speed, or costs no time"
 
 
 class EffectChanges(NamedTuple):
-    """Changes of speed and CPU time by variants of a scene, in which effects are switched off or on."""
+    """Changes of speed and CPU time in variants of a scene, which differ by effects that are switched off or on."""
 
     speed: Quantity
     """Mean speed of the scene, mm/s."""
     changes: tuple[Change, ...]
-    """Change by each variant."""
+    """Change in each variant."""
     pairs: int
     """Number of runs of each variant."""
     advice: str = ""
-    """What can be left out."""
+    """Sentence on the effects that can be left out."""
 
 
 KEYS = ("effect", "change", "change_mm_s", "change_se_mm_s", "refused", "cpu_ratio", "cpu_ratio_se")
@@ -56,7 +56,7 @@ COLUMNS = (
 
 
 def format_factor(number: Quantity) -> str:
-    """Format a factor with its standard error, to hundredths."""
+    """Format a ratio with its standard error, to hundredths."""
     return (
         "-"
         if number.value is None
@@ -65,7 +65,7 @@ def format_factor(number: Quantity) -> str:
 
 
 def format_change(number: Quantity) -> str:
-    """Format a number with its standard error."""
+    """Format a change of the speed with its standard error."""
     if number.value is None:
         return "-"
     return (
@@ -82,7 +82,10 @@ def measure_active_effects(walker: Walker, progress: Progress) -> EffectChanges:
 
 
 def measure_all_effects(walker: Walker, progress: Progress) -> EffectChanges:
-    """Measure the changes by switching each effect off, or on at its usual size, and by the two largest together."""
+    """Measure the changes if each effect is switched off, or on at its usual size, and if the two largest are together.
+
+    The result has advice on effects to leave out.
+    """
     budget_progress = _budget_progress(progress)
     candidates = tuple(variants.effect_variants(walker, also_on=True))
     alone = _measure_variants(walker, candidates, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), budget_progress)
@@ -106,7 +109,7 @@ def measure_all_effects(walker: Walker, progress: Progress) -> EffectChanges:
 def _measure_variants(
     walker: Walker, candidates: tuple[Variant, ...], until: Runs | Budget, progress: Progress
 ) -> EffectChanges:
-    """Simulate variants `until` a number of runs or a budget; return their changes. Raises KeyboardInterrupt."""
+    """Simulate variants `until` a number of runs or a time is reached. Return their changes."""
     measured = measuring.measure(Pairs(walker, candidates), until, progress)
     if measured.partial:
         raise KeyboardInterrupt
@@ -115,7 +118,7 @@ def _measure_variants(
 
 
 def _budget_progress(progress: Progress) -> Progress:
-    """Return a function that reports progress in seconds of the budget, from the first runs on."""
+    """Return a progress callback that reports elapsed seconds of BUDGET_S instead of runs."""
     started: list[float] = []  # times of all reports, the first of which counts
 
     def report_seconds(step: str, done: int, total: int) -> None:
@@ -148,9 +151,10 @@ def _is_within(walker: Walker, measured: EffectChanges, change: Change, share: f
 def _select_omissions(
     walker: Walker, candidates: Sequence[Variant], measured: EffectChanges
 ) -> tuple[list[Variant], float]:
-    """Return variants that save time and change the speed by less than one of ADVICE_LEVELS, and this level.
+    """Return the variants to advise, which save time and change the speed by less than a level, and this level.
 
-    If some of them set no key of the scene, only the fastest of these is returned. Without any: [] and 0.
+    The level is the smallest possible of ADVICE_LEVELS. Of variants that set no key of the scene, only the fastest is
+    returned. Without any variant the result is [] and 0.
     """
     for level in ADVICE_LEVELS:
         fitting = [
@@ -166,7 +170,7 @@ def _select_omissions(
 
 
 def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
-    """Return the variant with all changes of several; None for fewer than two or an impossible combination."""
+    """Return one variant with the changes of all `chosen` ones; None for fewer than two, or if they do not combine."""
     if len(chosen) < 2:
         return None
     combined: Variant | None = chosen[0]
@@ -194,7 +198,7 @@ def table(measured: EffectChanges) -> Table:
 
 
 def draw_changes(measured: EffectChanges, title: str) -> "Figure":
-    """Draw the changes of the speed, with bars of 95 %, next to those of the CPU time."""
+    """Draw the changes of the speed, with bars of 95 % confidence, next to the changes of the CPU time."""
     from walkergen.files import figures
     from walkergen.files.figures import FITTED, MEASURED
 

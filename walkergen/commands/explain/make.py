@@ -1,4 +1,4 @@
-"""Effects of a scene: which are on, how large they are, what each changes of the speed and costs."""
+"""Report of the effects of a scene: which are on, their sizes, and their influence on speed and CPU time."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -24,7 +24,7 @@ from walkergen.points.variants import Change
 
 
 class Row(NamedTuple):
-    """Effect of a scene: its size, why it is on or off, and how switching it changes the result."""
+    """Effect of a scene: its size, the reason why it is on or off, and the changes of the result if it is switched."""
 
     effect: str
     on: bool
@@ -35,7 +35,7 @@ class Row(NamedTuple):
     change: str
     """Difference of the measured variant of the scene; "" if none was measured."""
     speed: Quantity
-    """Mean speed of the variant less that of the scene."""
+    """Mean speed of the variant minus that of the scene."""
     cpu: Quantity
     """CPU time of the variant over that of the scene."""
 
@@ -63,11 +63,32 @@ def explain(
     whole: bool = False,
     folder: Path | None = None,
 ) -> Report:
-    """Report which effects a scene requires, and what each costs if it can be off.
+    """Return the report of the effects that a scene requires, with the measured influence and cost of each.
 
-    The report also lists what the scene's accepted error leaves out. `measure`: also measure inactive effects,
-    for ten seconds. `whole`: include all reasons. The report is written to `folder`, if given. Raises InputError
-    for a scene that contradicts itself or the design.
+    Parameters
+    ----------
+    scene, design : Scene, Design
+        Scene, and walker in it.
+    progress : Progress
+        Callback for progress.
+    cost : bool
+        True to measure the active effects.
+    measure : bool
+        True to measure all effects, also inactive ones, for ten seconds.
+    whole : bool
+        True to print all effects with reasons.
+    folder : Path, optional
+        Folder to write the report to.
+
+    Returns
+    -------
+    Report
+        Effects, and those that the scene's accepted error leaves out.
+
+    Raises
+    ------
+    InputError
+        If the scene contradicts itself or the design.
     """
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
@@ -127,7 +148,7 @@ def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
 
 
 def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
-    """List what runs leave out if an error is accepted."""
+    """Return lines on the effects that simulations leave out because of the scene's accepted error."""
     if simple.accepted is None:
         return []
     key = f"run.accepted_error = {simple.accepted:g}"

@@ -42,7 +42,7 @@ class ExplainRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":
-        """Explain the scene's effects."""
+        """Return the report of the scene's effects."""
         from walkergen.commands.explain import make
         from walkergen.core.walker import names
 

@@ -1,4 +1,4 @@
-"""Walkers as single files: meshes, drawings of prisms, and models for MuJoCo."""
+"""Export of walkers as single files: meshes, drawings of walkers that are prisms, and models for MuJoCo."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ from walkergen.readers.walkers import caps as tiles
 from walkergen.sheets import cap_files
 
 SOLID_FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
-"""Formats of meshes, oriented as printed on the bed."""
+"""Functions that pack a mesh and a name, by format. Meshes are oriented as they are printed."""
 
 FORMATS = (*SOLID_FORMATS, *profile.FORMATS)
 
@@ -27,18 +27,17 @@ MJCF = "mjcf"
 """MuJoCo's format of a walker in a scene, which consists of several files."""
 
 MJCF_SUFFIX = ".xml"
-"""Suffix of the file that names the others."""
+"""Suffix of the main file of a model for MuJoCo, which refers to the mesh files."""
 
 
 def make(
     members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress, scene: Scene | None = None
 ) -> Report:
-    """Write every member in every format (of FORMATS) as folder/FORMAT/NAME.FORMAT.
+    """Write every member in every format as folder/FORMAT/NAME.FORMAT. Return the report of the files.
 
-    MJCF of walkers in a scene is folder/mjcf/NAME.xml, with its STL files in the same folder. Caps are
-    printed separately: as folder/FORMAT/NAME_cap07.FORMAT in the formats of meshes, and on a sheet
-    in folder/caps. Before anything is written, raises InputError for the drawing of a walker that
-    has none, and for a scene that MJCF cannot represent.
+    MJCF of walkers in a scene is folder/mjcf/NAME.xml, with STL files in the same folder. Caps are separate parts:
+    folder/FORMAT/NAME_cap07.FORMAT in the formats of meshes, and a sheet in folder/caps. Raises InputError, before
+    anything is written, for a walker that has no drawing, and for a scene that MJCF cannot represent.
     """
     capped = cap_files.number_caps(members, [names.part_name(design) for design in members])
     of_caps = list(cap_files.files(capped, [])) if capped else []
@@ -77,13 +76,13 @@ def _report(files: Sequence[Path], lines: Sequence[str]) -> Report:
 
 
 def pack_walker(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
-    """Return the name and bytes of a walker's file, its mesh or its drawing, in one of FORMATS."""
+    """Return the name and the bytes of a walker's file: its mesh or its drawing in the format `form`."""
     data = SOLID_FORMATS[form](mesh, name) if form in SOLID_FORMATS else profile.FORMATS[form](drawing)
     return f"{name}.{form}", data
 
 
 def _mjcf_files(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
-    """Return the names and bytes of the MJCF of a walker in a scene. Raises InputError."""
+    """Return names and bytes of the files of a MuJoCo model of a walker in a scene. Raises InputError."""
     from walkergen.commands.export import mjcf
 
     assert scene is not None
@@ -93,9 +92,9 @@ def _mjcf_files(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
 def write_one(design: Design, path: Path, scene: Scene | None = None) -> Report:
     """Write one walker to the file `path` with a suffix of FORMATS, or .xml for MuJoCo.
 
-    The bytes are those of `make`. A scene applies only to MJCF, whose STL files are written to the same
-    folder. Raises InputError for other suffixes, for the drawing of a walker that has none, and for a
-    scene that MJCF cannot represent.
+    The file is the same as that of `make`. `scene` applies only to MuJoCo, whose STL files are written to the same
+    folder. Raises InputError for other suffixes, for a walker that has no drawing, and for a scene that MJCF cannot
+    represent.
     """
     form = path.suffix.removeprefix(".").lower()
     if form in SOLID_FORMATS:

@@ -1,7 +1,7 @@
-"""Walkers as models of MuJoCo: MJCF with the mass properties, hinges, feet and plate of ours.
+"""Models for MuJoCo (MJCF) of walkers, with the mass properties, hinges, feet and plate of walkergen's simulation.
 
-Units are those of this program: mm, g, s. Frame: x along the run, y to the left, z up. Three things
-differ, and the file lists them: legs do not twist, friction has a damper in place of its spring, and tips are linear.
+Units are those of walkergen: mm, g, s. Frame: x along the run, y to the left, z up. Three things differ, and the file
+lists them: legs do not twist, friction has a damper instead of a spring, and tips are linear springs.
 
 A Hertzian tip, F = K d^1.5, is replaced by the linear spring with the same contact time. A mass m that lands at a
 speed v stays for I d/v, d its greatest depth, with I = 2 sqrt(pi) Gamma(7/5) / Gamma(9/10) = 2.943. On a linear spring
@@ -29,20 +29,20 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
 
 TO_MUJOCO = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""Turns our frame (y up, z across) into MuJoCo's (z up)."""
+"""Rotation from walkergen's frame (y up, z across) to that of MuJoCo (z up)."""
 
 SPHERE_RADIUS_MM = 1e-3
 """Radius (mm) of the spheres that represent corners. The corners are their lowest points."""
 
 IMPEDANCE = 1e-4
-"""Smallest impedance of MuJoCo: contacts are then springs and dampers in physical units, to this share of mass.
+"""Smallest impedance of MuJoCo. With it, contacts are springs and dampers in physical units, to this share of mass.
 """
 
 IMPRATIO = 100.0
 """Impedance ratio of friction to the normal direction. At 1 sliding would press the feet down."""
 
 STEP_RATIO = 4.0
-"""Ratio of our step to MuJoCo's, whose contacts are explicit. docs/mujoco.md states the resulting accuracy."""
+"""Step of walkergen over that of MuJoCo, whose contacts are explicit. docs/mujoco.md states the accuracy."""
 
 PLATE_MASS_G = 1e9
 """Mass of the plate, g: walkers do not move it."""
@@ -52,7 +52,7 @@ HERTZ_TIME = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 """Contact time of a landing on a Hertzian tip without damper, times speed over greatest depth."""
 
 SUPPORTED_EFFECTS = {legs.COMPLIANCE, feet.NAME, turning.NAME, walls.NAME, walls.LID}
-"""Effects with a switch that the file can represent."""
+"""Effects of a scene with a switch in walkergen that an MJCF file can represent."""
 
 
 def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
@@ -72,8 +72,9 @@ def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
 def linear_springs(plan: Plan) -> Array:
     """Return the stiffness (g/s^2) of each point of contact in the file, shape (k,).
 
-    The leg's corner is in series with the tip's linear spring. That depends on a landing: with an equal share of the
-    mass, at LANDING_SPEED_RATIO times the plate's peak speed. If the plate hardly moves, the weight counts instead.
+    The spring of the leg is in series with the linear spring of the tip. The latter is that of a landing with an equal
+    share of the mass, at LANDING_SPEED_RATIO times the plate's peak speed. If the plate hardly moves, it is that of
+    the weight.
     """
     walker = plan.world.walker
     share = walker.mass / np.count_nonzero(walker.wall_distance == 0.0)  # at 0 are the points that may touch the plate
@@ -101,7 +102,7 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
 
 
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
-    """Yield meshes by name: free legs relative to their anchors, body and other legs to C, the centre of mass."""
+    """Yield the name and the mesh of each part: free legs relative to their anchors, others to the centre of mass."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*to_centre_frame(design.limbs, mass, np.zeros(2)), -half]) + O
     yield "body", _to_mujoco_frame(built._replace(walker=built.body).walker_with_cap, middle)
@@ -165,9 +166,9 @@ def _format_model(name: str, plan: Plan) -> str:
 
 
 def _leg_body(free_index: int, name: str, mass: MassProperties, walker: Walker, index: int) -> str:
-    """Write the MJCF of a free leg on its hinge, with the corners of its foot.
+    """Return the MJCF of a free leg on its hinge, with the corners of its foot.
 
-    `free_index` counts free legs, `index` all legs.
+    `free_index`: index among the free legs. `index`: index among all legs.
     """
     leg, row = mass.legs[index], int(np.flatnonzero(walker.leg == free_index)[0])
     assert leg.tensor is not None
@@ -203,7 +204,7 @@ def _corner_geoms(walker: Walker, leg: int) -> str:
 
 
 def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
-    """Write the MJCF of the plate on its spring, with a lid or with walls twice as high as the body's middle."""
+    """Return the MJCF of the plate on its spring, with a lid or with walls twice as high as the body's middle."""
     wall_side, lid, bodies = float(walker.wall_distance.max()), -float(walker.wall_distance.min()), ""
     for side in (-1, 1) if wall_side > 0.0 else ():
         bodies += f"""
@@ -244,9 +245,9 @@ def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], sp
 
 
 def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -> Array:
-    """Compute the inverse mass (1/g) of each contact's body as MuJoCo has it, shape (k,).
+    """Compute the inverse mass (1/g) that MuJoCo uses for the body of each contact, shape (k,).
 
-    It is the mean over three directions at the body's own centre of mass. `free`: indices of free legs.
+    It is the mean over three directions at the centre of mass of that body. `free`: indices of free legs.
     """
     root, reach, side = walker.root.copy(), 0.0 * walker.reach, 0.0 * walker.side
     for k, number in enumerate(walker.leg):
@@ -260,14 +261,14 @@ def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -
 
 
 def _inertial(centre: Array, mass: float, tensor: Array) -> str:
-    """Write the MJCF of a mass (g) with its centre (mm) and inertia tensor (g mm^2) in our frame."""
+    """Return the MJCF of a mass (g) with its centre (mm) and inertia tensor (g mm^2) in walkergen's frame."""
     tensor = TO_MUJOCO @ tensor @ TO_MUJOCO.T
     entries = _format_numbers(*(tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))))
     return f'<inertial pos="{_format_point(centre)}" mass="{mass!r}"\n          fullinertia="{entries}"/>'
 
 
 def _visual_geoms(parts: Sequence[str]) -> str:
-    """Write the MJCF of meshes that are only shown."""
+    """Return the MJCF of meshes that are only displayed. `parts`: their names."""
     return "".join(
         f'''
         <geom type="mesh" mesh="{part}" mass="0" contype="0" conaffinity="0" group="1"/>'''
@@ -276,7 +277,7 @@ def _visual_geoms(parts: Sequence[str]) -> str:
 
 
 def _format_point(vector: Array) -> str:
-    """Format a vector of our frame, shape (3,), in MuJoCo's frame."""
+    """Format a vector in walkergen's frame, shape (3,), as numbers in MuJoCo's frame."""
     return _format_numbers(*(TO_MUJOCO @ vector))
 
 

@@ -20,10 +20,10 @@ FORMATS: dict[str, Callable[[Sequence[Polygon]], bytes]] = {"dxf": dxf.pack, "sv
 
 
 def drawing_outlines(design: Design) -> list[Polygon]:
-    """Return the polygons, mm, whose prism is a walker or its body: outer contours first, then holes.
+    """Return the polygons, mm, of a walker that is a prism: outer contours first, then holes.
 
-    For a body in plan view this is its outline seen from above, otherwise the profile of body and
-    legs. Raises InputError for a walker that is neither.
+    For a body in plan view they are the outline of the body from above, without legs. Otherwise they are the side view
+    of body and legs. Raises InputError for a walker that is no prism.
     """
     depth, why = design.size.depth, "its legs are narrower than its body"
     if design.parts:
@@ -40,7 +40,7 @@ def drawing_outlines(design: Design) -> list[Polygon]:
 
 
 def side_profile(design: Design) -> list[Polygon]:
-    """Return the profile of body and legs, in the design's frame, mm: outer contour first, then windows.
+    """Return the side view of body and legs, in the design's frame, mm: outer contour first, then holes.
 
     Raises SolidError when it is not one piece.
     """

@@ -1,4 +1,4 @@
-"""Walkers of a sweep as single files, written one after the other to limit memory."""
+"""Export of the walkers of a sweep as single files, one after the other to limit memory."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,14 +14,14 @@ from walkergen.files.report import Report
 from walkergen.guests.sweep import sweep_setup
 
 PARTS_FILE = "parts.csv"
-"""Table of the walkers: number, values of the keys, and the reason of one that cannot be made."""
+"""File with a table of the walkers: number, values of the keys, and the reason if a walker cannot be made."""
 
 
 def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Progress) -> Report:
     """Write the walkers of a sweep's file as FOLDER/FORMAT/DESIGN_NUMBER.FORMAT, and a table of them.
 
-    The number is that of the row in the sweep's own table, from 1. For a walker that cannot be made
-    the table gives the sweep's reason. Raises InputError for an invalid sweep.
+    NUMBER is the number of the walker's row in the table of the sweep, from 1. If a walker cannot be made, the table
+    states the reason. Raises InputError for an invalid sweep.
     """
     points = sweep_setup.from_file(path)
     count, width = points.space.point_count, len(str(points.space.point_count))

@@ -1,4 +1,4 @@
-"""Copies of walkers arranged on plates for printers: 3MF files, maps, sheets, forms for masses."""
+"""Copies of walkers arranged on plates: 3MF files, maps, print sheets, and forms to enter weighed masses."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -27,11 +27,11 @@ from walkergen.sheets import cap_files
 from walkergen.sheets.cap_files import CappedWalker
 
 MAX_NAMED_WALKERS = 3
-"""Maximum number of walkers that the first sentence names."""
+"""Maximum number of walkers that the headline names."""
 
 
 class PlateInputs(NamedTuple):
-    """Values that a request reads from files."""
+    """Walkers, numbers of copies and printers of a request, read from files."""
 
     members: Sequence[Design]
     copies: Sequence[int]
@@ -50,15 +50,15 @@ class Capacity(NamedTuple):
     fit: int
 
 
-class Load(NamedTuple):
-    """Copies of one walker on one plate."""
+class PlateRow(NamedTuple):
+    """Row of the table of plates: number of copies of one walker on one plate."""
 
     printer: str
     plate: int
     copies: int
     name: str
     marks: str
-    """Marks on the copies, from the first to the last."""
+    """Engraved marks of the first and the last copy."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -69,7 +69,7 @@ class PlateReport(Report):
 
 
 def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> Report:
-    """Count the copies of each member that fit on one plate of each printer with no other parts."""
+    """Return a report of how many copies of each member fit on one plate of each printer, without other walkers."""
     built = [solids.build(design) for design in members]
     rows = [
         Capacity(layout.printer.name, part.name, min(packing.capacity(part, layout.printer), max_parts))
@@ -85,14 +85,14 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
     return Report(
         name="room",
         title="Copies that fit on one plate",
-        headline=_room_headline(rows),
+        headline=_capacity_headline(rows),
         tables=[report.table_from_rows("room", rows, columns)],
         facts={"rows": [row._asdict() for row in rows]},
     )
 
 
-def _room_headline(rows: Sequence[Capacity]) -> str:
-    """Return how many copies fit on one plate, in a sentence: of each of a few walkers, or of many together."""
+def _capacity_headline(rows: Sequence[Capacity]) -> str:
+    """Return a sentence with the number of copies that fit on one plate: each of a few walkers, or a range for many."""
     if len(rows) > MAX_NAMED_WALKERS:
         fits = [row.fit for row in rows]
         return f"one plate holds {min(fits)} to {max(fits)} copies of a walker"
@@ -126,13 +126,17 @@ def run(request: PlateRequest, progress: Progress) -> Report:
 
 
 def make(request: PlateRequest, inputs: PlateInputs, progress: Progress) -> PlateReport:
-    """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
+    """Arrange copies for every printer. Write 3MF files, maps, print sheets and weights.csv.
 
-    Members of several designs share plates, and have a weights_DESIGN.csv each.
-    Plates of an earlier run for the same printer that this run does not make are removed,
-    unless they were changed since. Before anything is written, raises
-    PlateError when a part is too large for a printer or more plates are needed than allowed, and
-    PrintabilityError when a part would not print (strict: would differ from the prediction).
+    Members of several designs share plates, but each design has its weights_DESIGN.csv. Plates of an earlier run for
+    the same printer that this run does not make are removed, unless they were changed since.
+
+    Raises
+    ------
+    PlateError
+        Before anything is written, if a part is too large for a printer, or if too many plates are needed.
+    PrintabilityError
+        Before anything is written, if a part would not print, or with `strict` would differ from the prediction.
     """
     members, copies = number_copies(request.serial, inputs.members, inputs.copies)
     built = [solids.build(design) for design in members]
@@ -182,7 +186,7 @@ def _write_plates(
 
 
 def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
-    """List the caps of all copies in the order of the map. Raises InputError."""
+    """Return the caps of all copies in the order of their numbers on the map. Raises InputError."""
     placements = [placement for plate in layout.plates for placement in plate.placements]
     items = [packing.item_name(layout.parts[place.part], place.copy) for place in placements]
     return cap_files.number_caps([layout.members[place.part] for place in placements], items)
@@ -224,7 +228,7 @@ def _report(
 
 
 def _headline(rows: Sequence[CopyPosition]) -> str:
-    """Return the number of parts, and of plates for each printer, in a sentence."""
+    """Return a sentence with the number of parts and the number of plates for each printer."""
     found = []
     for printer in dict.fromkeys(row.printer for row in rows):
         numbers = [row.plate for row in rows if row.printer == printer]
@@ -233,22 +237,22 @@ def _headline(rows: Sequence[CopyPosition]) -> str:
     return "; ".join(found)
 
 
-def _copies_by_plate(rows: Sequence[CopyPosition]) -> Iterator[Load]:
+def _copies_by_plate(rows: Sequence[CopyPosition]) -> Iterator[PlateRow]:
     """Yield the number of copies of each walker on each plate, one row each."""
     marks: dict[tuple[str, int, str], list[str]] = {}
     for row in rows:
         marks.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
     for (printer, number, name), copies in marks.items():
-        yield Load(printer, number, len(copies), name, names.mark_range(copies))
+        yield PlateRow(printer, number, len(copies), name, names.mark_range(copies))
 
 
 def number_copies(
     serial: int | None, members: Sequence[Design], copies: Sequence[int]
 ) -> tuple[Sequence[Design], Sequence[int]]:
-    """Return the members and copies to arrange. With serial numbers every copy is a separate member.
+    """Return members and numbers of copies, with serial numbers engraved if `serial` is not None.
 
-    Numbers count over all members from `serial`, so that every copy has a different one. Raises
-    GeometryError for a copy too small for its number, InputError for too large a number.
+    Every copy is then a separate member. Their numbers count from `serial` over all members. Raises GeometryError for
+    a copy that is too small for its number, InputError for too large a number.
     """
     if serial is None:
         return members, copies
@@ -262,7 +266,7 @@ def number_copies(
 
 
 def _number_settings(design: Design, number: int) -> dict[str, int]:
-    """Return the keys that give a copy its number: on its body, and on its cap if it has one."""
+    """Return values by key that give a copy its number: on its body, and on its cap if it has one."""
     on_cap = {} if design.cap is None else {"cap.number": number}
     return {"marks.serial": number, **on_cap}
 
@@ -284,7 +288,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
 
 
 def _write_forms(members: Sequence[Design], rows: Sequence[CopyPosition], folder: Path) -> list[Path]:
-    """Write forms for the masses of each design's copies, except filled-in ones; return the written paths."""
+    """Write a form for weighed masses for each design, except where a user has filled it in. Return the paths."""
     designs_by_name = dict(zip(names.part_names(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}
     for row in rows:  # with several printers a copy has several rows

@@ -1,4 +1,4 @@
-"""Order list: a CSV file with the numbers of walkers of each design that are printed together."""
+"""Order list: a CSV file with walkers of several designs to print together, and the number of copies of each."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,11 +16,11 @@ MAX_BYTES = 1_000_000
 
 
 def read_orders(path: Path) -> tuple[list[Design], list[int]]:
-    """Read the walkers of an order list, in its order, and the copies of each. Rows of one walker add up.
+    """Return the walkers of an order list, in its order, and the number of copies of each.
 
-    A row has a design (a template, or the path of a TOML file from the list's own folder), tilt_deg
-    and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError with a
-    line for each mistake, and PlateError for more parts than can be arranged together.
+    A row has the columns design (a template, or the path of a TOML file relative to the list), tilt_deg and legs (those
+    of the design if blank), and copies (1 to packing.MAX_PARTS). Copies in rows of the same walker are added. Raises
+    InputError with a line for each mistake, and PlateError for more parts than can be arranged together.
     """
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     expected = (
@@ -30,7 +30,7 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     if not table.rows:
         raise InputError(f"{path}: no rows after the header. Add a row for each walker to print.")
     if len(table.rows) > packing.MAX_PARTS:
-        raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MAX_PARTS}")
+        raise InputError(f"{path}: {len(table.rows)} rows, at most {packing.MAX_PARTS} are possible. Split the list.")
     designs = _DesignCache(path.parent)
     members: dict[str, Design] = {}
     copies: dict[str, int] = {}
@@ -61,7 +61,7 @@ class _DesignCache:
         """First design of each name, in lower case for case-insensitive file systems, and its line."""
 
     def member(self, row: Mapping[str, str], line: int) -> Design:
-        """Return the walker of a row at a line. Raises InputError."""
+        """Return the walker of the row at this line of the list. Raises InputError."""
         design = self._load_design(row["design"].strip(), line)
         tilt, kind = _parse_tilt(row["tilt_deg"]), _parse_kind(row.get("legs", ""))
         tilt = design.tilt_deg if tilt is None else tilt

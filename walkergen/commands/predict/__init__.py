@@ -1,1 +1,1 @@
-"""The job `predict`: speeds of walkers in a scene, with their bounds, and no file."""
+"""The job `predict`: speeds of walkers in a scene, with their bounds. It writes no file."""

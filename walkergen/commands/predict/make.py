@@ -40,7 +40,7 @@ class PredictReport(Report):
 
     @property
     def mass(self) -> MassProperties:
-        """Masses that its speed follows from."""
+        """Mass properties of the first walker, from which its speed was computed."""
         return self.members[0].mass
 
     @property
@@ -62,9 +62,18 @@ def make_report(
     shares: Sequence[Sequence[Share]] = (),
     why: bool = True,
 ) -> PredictReport:
-    """Make the report of walkers, with the shares of the variance behind their bounds, and their basis if `why`.
+    """Make the report of predicted walkers.
 
-    Notes also state if an accepted error may have left something out, and if only the theory applies.
+    Parameters
+    ----------
+    design, scene, mode : Design, Scene, str
+        Design and scene of the walkers, and mode of the theory.
+    walkers : sequence of Member
+        Predicted walkers.
+    shares : sequence of sequence of Share
+        Shares of the variance of each walker's speed by uncertain input; empty without them.
+    why : bool
+        True to print the sources of the speeds.
     """
     with_notes = why or speed_table.needs_notes(walkers, scene)
     tables = speed_table.tables("prediction", design.name, walkers, with_notes)
@@ -98,10 +107,31 @@ def predict(
     progress: Progress = silent,
     united: bool = True,
 ) -> PredictReport:
-    """Predict walkers of a design; if `uncertain`, with the sources of their bounds, if `why` with reasons.
+    """Predict walkers of a design, and return their report.
 
-    `weighed` are masses from a balance by the walkers' names. `united` meshes are needed only for printing.
-    Raises InputError for impossible masses, TheoryError for incompatible mode and law.
+    Parameters
+    ----------
+    design, walkers, scene, mode
+        Design, its variants to predict, scene, and mode of the theory.
+    weighed : mapping
+        Masses from a balance, by names of walkers.
+    uncertain : bool
+        True to compute each uncertain input's share of the variance of the speed.
+    model : str
+        Source of speeds: best, known or theory.
+    why : bool
+        True to print the sources of the speeds.
+    progress : Progress
+        Callback for progress.
+    united : bool
+        Whether body and legs are united to one mesh, which only printing needs.
+
+    Raises
+    ------
+    InputError
+        If a weighed mass is impossible.
+    TheoryError
+        If the mode of the theory does not fit the scene's contact law.
     """
     built = [solids.build(walker, united=united) for walker in walkers]
     predicted = list(members.predict_members(walkers, built, scene, mode, weighed, model, progress))
@@ -110,7 +140,10 @@ def predict(
 
 
 def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
-    """Return the shares of the variance behind a walker's bounds, if any. Raises InputError if it was simulated."""
+    """Return each uncertain input's share of the variance of a walker's speed; () if the speed is unknown.
+
+    Raises InputError if the walker was simulated.
+    """
     if member.row.speed.value is None:
         return ()
     try:

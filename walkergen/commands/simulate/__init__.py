@@ -1,1 +1,1 @@
-"""The job `simulate`: from a scene to the speed, motion, landings and tracks of its runs."""
+"""The job `simulate`: speed, motion, landings and tracks of a walker's runs in a scene."""

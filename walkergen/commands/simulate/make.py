@@ -26,7 +26,7 @@ from walkergen.points.experiments import Results, Walker
 from walkergen.points.walkers import ErrorResult
 
 PRINT_DRAWS, MAX_RUN_S = 24, 4.0
-"""Number of simulated prints that replace runs, and longest measured time of a print's run, s."""
+"""Number of simulated prints if all runs share an orbit, and largest measured time of a print's run, s."""
 
 
 class Orbit(NamedTuple):
@@ -37,15 +37,15 @@ class Orbit(NamedTuple):
     draws: int
     """Number of prints simulated for the bounds."""
     prints: Quantity
-    """Speed of the runs, without an error. Its bounds are those of prints."""
+    """Speed of the runs, without an error. Its bounds contain the variation from print to print."""
     reason: str = ""
     """Reason why bounds are missing, otherwise ""."""
 
 
 def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
-    """Find the orbit that all runs of a point share, with bounds from simulated prints; None without one.
+    """Find the orbit that all runs of a point share, with bounds from simulated prints; None without such an orbit.
 
-    No prints are simulated after Ctrl-C, which left runs out.
+    If runs are missing because of Ctrl-C, no prints are simulated and the result is None.
     """
     walker, scene = point.walker, point.walker.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
@@ -68,17 +68,17 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
 
 
 def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:
-    """Return the summary of runs on one orbit: no errors from scatter, and the bounds of prints."""
+    """Return the summary of runs on one orbit: without errors from scatter, with the speed and bounds of prints."""
     numbers = {name: number._replace(se=None) for name, number in summary.numbers.items()}
     return summary._replace(numbers=numbers | {observables.SPEED: orbit.prints})
 
 
 MAX_LANDINGS_S = 500.0
-"""Longest time of all runs together (s) with every landing kept: 0.3 MB a second."""
+"""Largest time of all runs together (s) for which every landing is recorded. They need 0.3 MB a second."""
 
 
 class Simulation(NamedTuple):
-    """Results of a simulation."""
+    """Results of a simulated walker: its runs, and what was computed from them."""
 
     results: Results
     orbit: Orbit | None = None
@@ -87,7 +87,7 @@ class Simulation(NamedTuple):
     no_motion_reason: str = ""
     """Reason why `motion` is missing, otherwise ""."""
     landings: Sequence[Landings] = ()
-    """Landings of each run that ended well; empty if they were not kept."""
+    """Landings of each run that ended well; empty if they were not recorded."""
     legs: tuple[str, ...] = ()
     """Names of the legs, in the order of their landings."""
     chosen: ErrorResult | None = None
@@ -97,12 +97,12 @@ class Simulation(NamedTuple):
 
     @property
     def scene(self) -> Scene:
-        """Scene with the chosen runs and step."""
+        """Scene of the runs, with the number of runs and the time step that an error required."""
         return self.results.walker.scene
 
 
 def make_walker(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
-    """Make a walker in a scene. Landings are kept for short runs; samples are `interval` s apart."""
+    """Return a walker in a scene. Short runs record landings. `interval`: time between samples, s; None for none."""
     few = scene.run.runs * scene.run.seconds <= MAX_LANDINGS_S
     return Walker(scene, design, mass, impacts=few, sample_interval=interval)
 
@@ -116,10 +116,23 @@ def measure(
 ) -> Simulation:
     """Simulate a walker as requested, and measure its motion and landings.
 
-    For an error `wanted` of the observable `of`, as many runs as necessary are made, without landings.
-    `expect` receives their expected time after the first runs. Raises
-    InputError if the scene contradicts itself or requests too many samples, or if no number of runs
-    gives the observable to the error.
+    Parameters
+    ----------
+    walker : Walker
+        Walker in its scene.
+    progress : Progress
+        Callback for progress.
+    wanted : Tolerance, optional
+        Error to reach. As many runs as necessary are made, without recorded landings.
+    of : str
+        Observable that has this error.
+    expect : Expect
+        Callback that receives the expected time after the first runs.
+
+    Raises
+    ------
+    InputError
+        If the scene contradicts itself or requests too many samples, or if no number of runs reaches the error.
     """
     if walker.sample_interval is not None:
         trajectory.check_sample_count(walker.scene, walker.sample_interval, walker.scene.run.runs)
@@ -132,7 +145,7 @@ def measure(
 
 
 def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
-    """Find shared orbits, motion and landings in the runs of a simulated point."""
+    """Return the results of the runs of a simulated point: a shared orbit, the motion and the landings."""
     walker = point.walker
     shared = find_shared_orbit(point, progress)
     if shared is not None:
@@ -148,7 +161,7 @@ def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
 
 
 def _count_landings(result: RunResult, feet: int) -> Landings:
-    """Count the landings of a run on the plate. Wall contacts have numbers above those of the corners."""
+    """Count the landings of a run on the plate, without contacts with walls, whose numbers are above the corners'."""
     rows = recorded_impacts(result)
     rows = rows[rows[:, 1] < feet * landings.CORNERS_PER_FOOT]
     return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)

@@ -1,4 +1,4 @@
-"""Numbers of a simulated walker as quantities, as text and for JSON: motion, impacts, powers, landings, bounds."""
+"""Results of a simulated walker as quantities, text and JSON: motion, impacts, powers, landings, bounds."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -52,7 +52,7 @@ def rename_motor_power(data: Any, scene: Scene) -> Any:
 
 
 def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield the numbers of a walker's motion. A reason that successive estimates share is given once."""
+    """Yield the estimates of a walker's motion. A reason that successive missing estimates share is given once."""
     if simulated.motion is None:
         return
     last_reason, estimates = "", simulated.motion.estimates
@@ -71,7 +71,7 @@ def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
 
 
 def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield impacts, shares of their types, contact and powers, with joint errors of runs and step."""
+    """Yield rate of impacts, shares of their types, contact and powers, with errors of runs and step together."""
     point = simulated.results
     for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
         for name, number in point.summary.numbers.items():
@@ -87,7 +87,7 @@ def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
 
 
 def landing_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield landings per second for printed text; with many legs only those of all feet."""
+    """Yield landings per second for printed text. With many legs, yield only those of all feet together."""
     if not simulated.landings:
         return
     first = 0 if len(simulated.legs) <= MAX_LISTED_LEGS else 3 * len(simulated.legs)  # two corners and an edge a leg
@@ -96,19 +96,19 @@ def landing_numbers(simulated: Simulation) -> Iterator[Quantity]:
 
 
 def landing_names(legs: Sequence[str]) -> list[str]:
-    """Return names of landings: of each corner, of both corners of a leg, of several feet, of one corner alone."""
+    """Return names of kinds of landings: each corner, both corners of a leg, several feet, one corner only."""
     keys = [leg.replace(" ", "_") for leg in legs]
     corners = [f"{leg}_{side}" for leg in keys for side in ("left", "right")]
     return [*corners, *(f"{leg}_edge" for leg in keys), "both_feet" if len(legs) == 2 else "several_feet", "alone"]
 
 
 def count_landings(landings: Landings) -> list[int]:
-    """Return numbers of landings in the order of their names."""
+    """Return the numbers of landings of each kind, in the order of `landing_names`."""
     return [*landings.corners.tolist(), *landings.edges.tolist(), landings.pairs, landings.alone]
 
 
 def landing_rates(simulated: Simulation) -> list[Quantity]:
-    """Return landings per second, corners with z > 0 on the right, with joint errors of runs and step."""
+    """Return landings per second of each kind, with errors of runs and step together. Right corners have z > 0."""
     time = np.array([landings.duration for landings in simulated.landings])
     counts = np.array([count_landings(landings) for landings in simulated.landings], dtype=float)
     rates = []
@@ -122,7 +122,7 @@ def landing_rates(simulated: Simulation) -> list[Quantity]:
 
 
 def notes(simulated: Simulation) -> Iterator[str]:
-    """Yield notes on how motion was measured, and on reasons to doubt it."""
+    """Yield notes on the measurement of the motion, and on reasons to doubt it."""
     if simulated.motion is not None:
         yield from (simulated.motion.method, *simulated.motion.doubts)
     if simulated.results.summary.numbers[step_errors.MOTION].refused == step_errors.TURNING_REASON:
@@ -130,7 +130,7 @@ def notes(simulated: Simulation) -> Iterator[str]:
 
 
 def format_drive(scene: Scene) -> str:
-    """Format frequency, peak acceleration and peak speed of the plate, or the motor over a still plate."""
+    """Format frequency, peak acceleration and peak speed of the plate, or the motor if the plate is at rest."""
     drive = scene.drive
     return drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
@@ -148,7 +148,7 @@ def contact_as_dict(scene: Scene) -> dict[str, Any]:
 
 
 def format_step_error(simulated: Simulation) -> str:
-    """Format the possible error from the step, in addition to the mean speed and its statistical error."""
+    """Return text on the error from the time step, which is printed after the mean speed and its statistical error."""
     speed = simulated.results.summary.speed
     error = step_errors.step_bias(speed)
     if error is None:
@@ -157,7 +157,7 @@ def format_step_error(simulated: Simulation) -> str:
 
 
 def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
-    """Yield summary rows with the bounds of the mean speed and of a print; of prints alone if runs share an orbit."""
+    """Yield the rows with the bounds of the mean speed and of a print; only those of prints if runs share an orbit."""
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
@@ -167,7 +167,7 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
 
 
 def _format_print_bounds(simulated: Simulation) -> str:
-    """Format the bounds of the speed of a print from its unknown properties, as `predict` computes them."""
+    """Format the bounds of the speed of a print, which has unknown properties, as `predict` computes them."""
     walker = simulated.results.walker
     row = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
     if (bounds := row.speed.interval()) is None:
@@ -187,13 +187,13 @@ def format_orbit_bounds(orbit: Orbit) -> str:
 
 
 def landings_as_dict(simulated: Simulation) -> dict[str, Any]:
-    """Return landings for JSON: rates per second, and their errors."""
+    """Return rates of landings for JSON, per second, and their errors, by name."""
     rates = landing_rates(simulated)
     return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
 
 
 def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
-    """Return the step's error of each observable for JSON, or the reason why there is none."""
+    """Return the error of each observable from the time step for JSON, or the reason why it is unknown."""
     numbers = simulated.results.summary.numbers
     errors = {
         name: numbers[name].bias
@@ -209,5 +209,5 @@ def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
 
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:
-    """Return the orbit that all runs share, for JSON. The bounds of prints are in the table of the speed."""
+    """Return the orbit that all runs share for JSON, without the bounds of prints, which the speed has."""
     return {"kind": orbit.kind, "draws": orbit.draws, "note": format_orbit_bounds(orbit)}

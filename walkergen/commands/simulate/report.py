@@ -1,4 +1,4 @@
-"""Report of simulated runs: what was simulated, the mean speed, and all that came with it."""
+"""Report of simulated runs: the walker and its scene, the mean speed, and all other results."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -30,14 +30,14 @@ DEFAULT_RATE_HZ = 1000.0
 
 
 class Line(NamedTuple):
-    """Name and value of a result. A quantity is formatted when it is printed."""
+    """Line of the printed summary: name and value of a result. A quantity is formatted when it is printed."""
 
     name: str
     value: str | Quantity
 
 
 def _format_line(line: Line) -> str:
-    """Return the text of a line; of a quantity with its unit."""
+    """Return the text of a line's value, for a quantity with its unit."""
     number = line.value
     return (
         number if isinstance(number, str) else quantity_format.format_value(number, quantity_format.format_unit(number))
@@ -80,7 +80,7 @@ class SimulationReport(Report):
 
     @property
     def motion(self) -> Motion | None:
-        """Motion of the walker: turning, persistence, spread; None if unknown."""
+        """Motion of the walker (turning, persistence, spread); None if unknown."""
         return self.simulated.motion
 
     @property
@@ -92,7 +92,7 @@ class SimulationReport(Report):
         return _mean_speed(self.simulated)
 
     def trajectory(self, rate_hz: float = DEFAULT_RATE_HZ, progress: Progress | None = None) -> Table:
-        """Simulate the runs again, and return their states as `walkergen simulate --trajectory` writes them.
+        """Simulate the runs again, and return their positions and angles over time, as --trajectory writes them.
 
         Parameters
         ----------
@@ -121,10 +121,7 @@ class SimulationReport(Report):
 
 
 def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
-    """Make the report of the runs of a walker in a scene, and of the runs that a requested error required.
-
-    The printed text has the first lines of the summary, or all if `whole`.
-    """
+    """Make the report of the runs of a walker in a scene. `whole`: True to print all lines of the summary."""
     scene, design = simulated.scene, simulated.results.walker.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
     first = None if whole else _select_first_lines(lines, simulated)
@@ -141,7 +138,7 @@ def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
 
 
 def _select_first_lines(lines: Sequence[Line], simulated: Simulation) -> list[Line]:
-    """Select the lines that are printed first: no refused numbers, and the endings of runs that did not end well."""
+    """Return the lines to print: those of FIRST_LINE_NAMES with a value, and endings of runs that ended badly."""
     ended_well = set(simulated.results.summary.outcomes) == {Outcome.OK.value}
     names = {*FIRST_LINE_NAMES, *(() if ended_well else ("outcomes",))}
     return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
@@ -166,7 +163,7 @@ def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
 
 
 def _mean_speed(simulated: Simulation) -> Quantity:
-    """Return the mean speed of the runs. Runs on one orbit have no error; its name is the reason."""
+    """Return the mean speed of the runs. For runs on one orbit, its name is the reason for the missing error."""
     speed = simulated.results.summary.speed
     return speed if simulated.orbit is None else speed._replace(refused=simulated.orbit.kind)
 

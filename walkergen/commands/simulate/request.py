@@ -27,10 +27,10 @@ ERROR_CHOSEN_KEYS = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
 class SimulateRequest(request.Request):
     """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
 
-    Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
-    speed, at 95 % confidence, the number of runs and the time step are chosen to meet it, and not given. A share
-    counts of the speed, or of a fifth of the plate's peak speed if the walker is slower. Effects that this walker's
-    speed does not need to an error are measured and left out with --effects.
+    Several tilts, or both kinds of legs, make a table. The first simulation compiles the simulator. With --error, the
+    number of runs and the time step are chosen for this error of the mean speed at 95 % confidence. A share refers to
+    the speed, or to a fifth of the plate's peak speed if the walker is slower. With --effects, effects that hardly
+    change the speed of this walker are found by measurement and left out.
 
     Notes
     -----
@@ -79,7 +79,7 @@ class SimulateRequest(request.Request):
     all: Annotated[bool, Flag("Print all measured quantities.")] = False
 
     def run(self, progress: Progress) -> "SimulationReport":
-        """Simulate the walker. The report of several walkers, or of uncertain prints, is a plain one."""
+        """Simulate the walker. For several walkers, or with `uncertain`, the result is a Report without more fields."""
         from walkergen.commands.simulate import trajectories
 
         if self.trajectory is not None:
@@ -135,9 +135,9 @@ class SimulateRequest(request.Request):
         return result
 
     def _simulate_several(self, scene: "Scene", members: "Sequence[Design]", progress: Progress) -> "Report":
-        """Simulate walkers one after the other, a row each; after Ctrl-C those that are done.
+        """Simulate walkers one after the other, and return a row for each; after Ctrl-C only for finished ones.
 
-        Raises InputError for one that cannot be simulated, before any is.
+        Raises InputError, before the first simulation, for a walker that cannot be simulated.
         """
         from walkergen.commands.simulate import several_walkers
         from walkergen.points import run_time
@@ -154,7 +154,7 @@ class SimulateRequest(request.Request):
         return several_walkers.make_report(rows, scene, found)
 
     def _simulate_uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
-        """Simulate uncertain prints: their speeds, with what to measure next."""
+        """Simulate prints with random uncertain inputs. Report their speeds, and which input to measure next."""
         from walkergen.commands.simulate import uncertain_prints
         from walkergen.core.walker import solids
         from walkergen.points import effect_selection, run_time

@@ -1,4 +1,4 @@
-"""Simulation of several walkers in one scene: one row each, predicted and simulated."""
+"""Simulation of several walkers in one scene: a row for each, with predicted and simulated speed."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -23,7 +23,7 @@ ORBIT_MARK = "(o)"
 
 
 class Row(NamedTuple):
-    """Walker with its predicted speed and that of its runs; the field names are keys of JSON."""
+    """Walker with its predicted speed and its simulated speed. The names of the fields are keys in JSON."""
 
     name: str
     tilt_deg: float
@@ -31,7 +31,7 @@ class Row(NamedTuple):
     predicted_mm_s: float | None
     theory_mm_s: float
     speed: Quantity
-    """Mean speed of the runs. Its bounds include runs and step, or are those of prints on an orbit."""
+    """Mean speed of the runs. Its bounds contain the errors of runs and step or, on an orbit, those of prints."""
     runs: int
     outcomes: Mapping[str, int]
     warnings: Sequence[str]
@@ -42,7 +42,7 @@ class Row(NamedTuple):
 
 
 def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress) -> list[Simplest]:
-    """Prepare walkers in a scene, weighed, without the effects that an accepted error leaves out.
+    """Return each walker in the scene, without the effects that the scene's accepted error leaves out.
 
     Raises InputError for a walker that cannot be simulated.
     """
@@ -84,7 +84,7 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
 
 
 def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
-    """Make the report of simulated walkers. It is partial if Ctrl-C left some out."""
+    """Make the report of simulated walkers. After Ctrl-C it has only the finished ones."""
     title = f"{found[0].walker.design.name} on {scene.name}, {quantities.format_drive(scene)}"
     row_facts = [column_values(row, 95) for row in rows]
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
@@ -104,7 +104,7 @@ def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) ->
 
 
 def _format_omissions(found: Sequence[Simplest]) -> Iterator[str]:
-    """Describe what was left out of each walker's scene, and what was kept."""
+    """Yield lines on the effects that were left out of each walker's scene, and on those that were not."""
     for simple in found:
         for name, value in simple.lines:
             yield f"{names.part_name(simple.walker.design)}, {name}: {value}"

@@ -1,8 +1,8 @@
-"""Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ, NetCDF or extended XYZ.
+"""Files of trajectories of all runs, which `simulate --trajectory` writes: CSV, NPZ, NetCDF or extended XYZ.
 
-A particle is a run. The first columns are those of trackpy and `analyse` (`frame`, `particle`, `x`, `y`, `theta`), seen
-from above, in mm and rad. Then come `t_s` and the model's columns, with units in the names. Frames count samples from
-the end of the discarded start.
+Each run is a particle. The first columns are those of trackpy and `analyse` (`frame`, `particle`, `x`, `y`, `theta`),
+seen from above, in mm and rad. Then come `t_s` and the columns of the simulation, with units in their names. Frame 0
+is the first sample after the discarded start of a run.
 """
 
 import io
@@ -26,9 +26,18 @@ from walkergen.points.trajectory import Trajectory
 
 
 def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:
-    """Return a NetCDF file, in the layout of movement, with the centres of k walkers called `names`.
+    """Return the bytes of a NetCDF file with the centres of k walkers, in the layout of the program movement.
 
-    Shapes: `times` (s) (n,), `places` (x and y, mm) (n, 2, k), `headings` (rad) (n, k); NaN while one is not visible.
+    Parameters
+    ----------
+    times : ndarray
+        Times, shape (n,), s.
+    places : ndarray
+        Positions x and y, shape (n, 2, k), mm; NaN while a walker is not visible.
+    headings : ndarray
+        Headings, shape (n, k), rad; NaN while a walker is not visible.
+    names : sequence of str
+        Names of the walkers.
     """
     from scipy.io import netcdf_file
 
@@ -67,18 +76,18 @@ FILM_COLUMNS = ("frame", "particle", "x", "y", "theta")
 """Columns with trackpy's names; x and y in mm, theta in rad."""
 
 BOX_MARGIN = 1.0
-"""Margin around all bodies in the box of extended XYZ, in half diagonals of a body."""
+"""Margin around all bodies in the box of extended XYZ, over half the diagonal of a body."""
 
 
 class TrajectoryData(NamedTuple):
-    """Contents of a file of trajectories."""
+    """Trajectories to write to a file, and the design of their walker."""
 
     rows: Trajectory
     design: Design
 
 
 def collect(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
-    """Collect the trajectories of all runs. Runs are simulated again if `point` kept no samples.
+    """Return the trajectories of all runs. Runs are simulated again if `point` has no samples.
 
     Raises InputError if there are too many samples to keep.
     """
@@ -91,7 +100,7 @@ def collect(experiment: Walker, point: Results, progress: Progress) -> Trajector
 
 
 def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
-    """Return trajectories with the columns of `FILM_COLUMNS` before their own; samples are `interval` s apart."""
+    """Return trajectories with `FILM_COLUMNS` before their other columns. `interval`: time between samples, s."""
     values_by_name = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     film = (
         np.rint(values_by_name["t_s"] / interval),
@@ -102,17 +111,17 @@ def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
 
 
 def to_csv(data: TrajectoryData) -> bytes:
-    """Write CSV with a header line and all digits."""
+    """Return the bytes of a CSV file with a header line and all digits."""
     return trajectory.to_csv(data.rows)
 
 
 def to_npz(data: TrajectoryData) -> bytes:
-    """Write an NPZ archive with an array for each column."""
+    """Return the bytes of an NPZ archive with an array for each column."""
     return trajectory.to_npz(data.rows)
 
 
 def to_xyz(data: TrajectoryData) -> bytes:
-    """Write extended XYZ for OVITO: a frame for each time, with the runs that are not over."""
+    """Return the bytes of an extended XYZ file for OVITO: a frame for each time, with all runs that last so long."""
     values = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
     size = data.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
@@ -127,9 +136,9 @@ def to_xyz(data: TrajectoryData) -> bytes:
 
 
 def _bounding_box(places: Array, half_diagonal: float) -> str:
-    """Return a box, as text, that contains all bodies at all times, so that OVITO's view does not move.
+    """Return the text of a box that contains all bodies at all times, so that OVITO's view does not move.
 
-    `places`: shape (n, 3), mm; `half_diagonal` of a body, mm.
+    `places`: positions of bodies, shape (n, 3), mm. `half_diagonal`: half the diagonal of a body, mm.
     """
     margin = (1.0 + BOX_MARGIN) * half_diagonal
     low = places.min(axis=0, initial=np.inf) - margin
@@ -137,7 +146,7 @@ def _bounding_box(places: Array, half_diagonal: float) -> str:
 
 
 def to_nc(data: TrajectoryData) -> bytes:
-    """Write NetCDF for xarray and movement: a run is an individual."""
+    """Return the bytes of a NetCDF file for xarray and movement, in which each run is an individual."""
     values = dict(zip(data.rows.columns, data.rows.rows.T, strict=True))
     frames, frame_index = np.unique(values["frame"], return_inverse=True)
     names, run_index = np.unique(values["particle"].astype(np.int64), return_inverse=True)
@@ -148,17 +157,17 @@ def to_nc(data: TrajectoryData) -> bytes:
 
 
 FORMATS: dict[str, Callable[[TrajectoryData], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}
-"""Writers of the formats, by the suffixes of their files."""
+"""Functions that return the bytes of a file, by its suffix."""
 
 
 def check(path: Path) -> None:
-    """Raise InputError when a file's suffix names no format."""
+    """Raise InputError if the suffix of a file is none of FORMATS."""
     if path.suffix.lower() not in FORMATS:
         problem = output.describe_wrong_ending(path, FORMATS, " (xyz for OVITO, nc for xarray)")
         raise InputError(f"‹trajectory=›{str(path)[:80]!r}: {problem}")
 
 
 def write(path: Path, experiment: Walker, point: Results, progress: Progress) -> None:
-    """Write the trajectories of all runs in the format that the file's suffix names."""
+    """Write the trajectories of all runs to a file, whose suffix selects the format."""
     written = TrajectoryData(collect(experiment, point, progress), experiment.design)
     output.write(path, FORMATS[path.suffix.lower()](written))

@@ -1,4 +1,4 @@
-"""Report of many uncertain prints: a summary, draws, shares of the variance and a figure."""
+"""Report of simulated prints with random uncertain inputs: a summary, all prints, shares of the variance, a figure."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 UNEXPLAINED = "which print it is"
-"""Name of the variance that no input explains: corner heights, and the emulator's error."""
+"""Name of the part of the variance that no input explains: heights of corners, and the emulator's error."""
 
 
 def make_report(spread: PrintScatter, design: Design, scene: str, folder: Path | None = None) -> Report:
@@ -65,7 +65,7 @@ def write(report: Report, folder: Path) -> None:
 
 
 def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
-    """Yield the rows of a summary: mean, scatter between prints, and the separate statistical error."""
+    """Yield name and value of each row of the summary: mean, scatter between prints, and statistical error."""
     (low1, high1), (low2, high2) = (spread.speed.interval(level) or (None, None) for level in (0.68, 0.95))
     scatter, step = spread.between_prints_mm_s or None, step_errors.step_bias(spread.speed)
     yield "mean over prints", spread.speed
@@ -85,7 +85,7 @@ def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
 
 
 def notes(spread: PrintScatter) -> Iterator[str]:
-    """Yield notes on what the bounds include, and on what was removed from them."""
+    """Yield notes on the uncertainties that the bounds include, and on those that were removed from them."""
     if spread.draws < statistics.MIN_VALUES_FOR_95:
         yield (
             f"95 % of prints: {spread.draws} draws do not reach its ends, which are extrapolated "
@@ -102,7 +102,7 @@ def notes(spread: PrintScatter) -> Iterator[str]:
 
 
 def _facts(spread: PrintScatter) -> dict[str, Any]:
-    """Return results for JSON. Shares are parts of the variance between prints."""
+    """Return the results for JSON. Shares are shares of the variance between prints."""
     unexplained = {"share": spread.unexplained.value, "se": spread.unexplained.se}
     return {
         "draws": spread.draws,
