@@ -87,19 +87,26 @@ def test_a_picture_without_a_shape_is_refused(tmp_path):
         load_shape(path).size  # noqa: B018
 
 
-CROSSING_PATHS = {
-    "bow tie": "M0 0L10 5L20 0V10L10 5L0 10Z",
-    "crossed": "M0 0L20 20V0L0 20Z",
-    "overlapping": "M0 0H20V10H0ZM10 5H30V15H10Z",
-}
+CROSSING_PATHS = {"crossed": "M0 0L20 20V0L0 20Z", "overlapping": "M0 0H20V10H0ZM10 5H30V15H10Z"}
 
 
 @pytest.mark.parametrize("name", CROSSING_PATHS)
 def test_paths_that_cross_or_touch_are_united(tmp_path, name):
-    design = load_shape(svg(tmp_path, CROSSING_PATHS[name]))
+    path = svg(tmp_path, CROSSING_PATHS[name])
+    path.write_text(path.read_text().replace("<path", '<path fill="none" stroke="red" stroke-width=".1"'))
+    design = load_shape(path)
     assert "united paths that cross or touch" in design.notes[0]
     solids.build(design)
     with pytest.raises(GeometryError, match="cross"):
+        design.variant(**{"body.repair": False})
+
+
+def test_parts_that_touch_in_a_point_are_two_pieces(tmp_path):
+    path = svg(tmp_path, "M0 0L10 5L20 0V10L10 5L0 10Z")
+    design = load_shape(path)
+    assert "touches only in a point, at (10, -5) mm; joined 2 pieces by a base plate" in design.notes[0]
+    solids.build(design)
+    with pytest.raises(GeometryError, match=r"touch only in a point, at \(10, -5\) mm. Let .* body.repair"):
         design.variant(**{"body.repair": False})
 
 

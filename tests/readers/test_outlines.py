@@ -168,7 +168,10 @@ SVG_SHAPES = [
     ('<path d="M0 0h20v20h-20zM5 5h10v10h-10z"/>', 400.0, 1),  # nonzero: no hole
     ('<path d="M0 0h20v20h-20zM5 5v10h10v-10z"/>', 300.0, 2),
     ('<g style="fill-rule:evenodd"><path d="M0 0h20v20h-20zM5 5h10v10h-10z"/></g>', 300.0, 2),
-    ('<rect width="20" height="20"/><circle cx="10" cy="10" r="5"/>', 400 - 25 * math.pi, 2),
+    ('<rect width="20" height="20"/><circle cx="10" cy="10" r="5" fill="#fff"/>', 400 - 25 * math.pi, 2),
+    ('<rect width="20" height="20"/><circle cx="10" cy="10" r="5"/>', 400.0, 1),  # in its own colour
+    ('<rect width="9" height="9"/><rect width="9" height="9"/>', 81.0, 1),
+    ('<rect width="9" height="9"/><rect x="5" width="9" height="9"/>', 126.0, 1),
     ('<defs><rect id="a" width="5" height="4"/></defs><use href="#a" y="2"/>', 20.0, 1),
     ('<rect width="9" height="9"/><g display="none"><circle r="99"/></g>', 81.0, 1),
 ]
@@ -204,6 +207,7 @@ def test_an_svg_is_upright_as_on_screen(tmp_path):
     assert flag[flag[:, 1].argmin()] == pytest.approx((5.0, -15.0), abs=1e-12)
 
 
+LINES = 'fill="none" stroke="red" stroke-width=".1"'
 ENTITIES = '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;"><!ENTITY c SYSTEM "file:///etc/hostname">]>'
 
 
@@ -222,9 +226,10 @@ def test_svg_pages_and_entities(tmp_path):
     ("body", "words"),
     [
         ("", ("no closed path",)),
-        ('<path d="M0 0L10 10 10 0 0 10z"/>', ("crosses",)),
-        ('<rect width="9" height="9"/><circle cx="9" cy="5" r="3"/>', ("two paths", "unite")),
-        ('<rect width="9" height="9"/><rect width="9" height="9"/>', ("twice",)),
+        ('<path d="M0 0L10 10 10 0 0 10z"/>', ("2 pieces, that touch only in a point, at (5, -5) mm", "body.repair")),
+        ('<path d="M0 0L10 10 10 0 0 10z" fill="none" stroke="red" stroke-width=".1"/>', ("crosses",)),
+        (f'<g {LINES}><rect width="9" height="9"/><circle cx="9" cy="5" r="3"/></g>', ("two paths", "unite")),
+        (f'<g {LINES}><rect width="9" height="9"/><rect width="9" height="9"/></g>', ("twice",)),
         ('<rect width="9" height="9"/><circle cx="50" cy="5" r="3"/>', ("2 pieces",)),
     ],
 )

@@ -30,22 +30,22 @@ class NoUnitError(InputError):
     """Drawing that does not state how long it is."""
 
 
-class Shape(NamedTuple):
-    """Closed contours that are drawn as one."""
-
-    contours: Sequence[Array]
-    """Polygons in mm, y up, shape (n, 2) each; the last point is joined to the first."""
-    nonzero: bool
-    """True when a contour within another of its own direction is not a hole (SVG's fill rule
-    nonzero); False when every second contour from outside is one (even-odd)."""
-
-
 class Drawing(NamedTuple):
     """Contents of a file of drawings."""
 
-    shapes: Sequence[Shape]
+    contours: Sequence[Array]
+    """Polygons in mm, y up, shape (n, 2) each; the last point is joined to the first. Every second one inward is a
+    hole."""
     notes: tuple[str, ...] = ()
     """Notes on what was left out or mended, a few words each."""
+    contacts: Sequence[Array] = ()
+    """Points in mm in which drawn parts touch. The contours are open there."""
+
+
+def area(polygon: Array) -> float:
+    """Return the area enclosed by a polygon, negative when its points go clockwise."""
+    x, y = (polygon - polygon[:1]).T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:

@@ -18,15 +18,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
 from walkergen.core.numerics import Array
 from walkergen.readers.drawings import dxf_curves
-from walkergen.readers.drawings.contours import (
-    FLATNESS,
-    MAX_BYTES,
-    MAX_END_GAP,
-    Drawing,
-    NoUnitError,
-    Shape,
-    is_within_gap,
-)
+from walkergen.readers.drawings.contours import FLATNESS, MAX_BYTES, MAX_END_GAP, Drawing, NoUnitError, is_within_gap
 
 if TYPE_CHECKING:
     from ezdxf import document as documents
@@ -138,7 +130,7 @@ def _fixed_metadata() -> Iterator[None]:
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Read the closed contours of a DXF file's model space, in mm, as one shape. Every second one inward is a hole.
+    """Read the closed contours of a DXF file's model space, in mm. Every second one inward is a hole.
 
     Lines and curves that meet within MAX_END_GAP are joined, and shorter ones left out. Left out are also layers that
     are hidden or do not plot, ANNOTATIONS and, with a note, lines drawn twice and the frame of a sheet. `scale_mm` (mm
@@ -171,7 +163,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         notes.append(f"left out {formatting.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
     if (width := max(map(_polyline_width, entities))) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {width * scale:.3g} mm: their middle is the outline")
-    return Drawing([Shape(contours, nonzero=False)], (*notes, *gap_notes, *frame_notes))
+    return Drawing(contours, (*notes, *gap_notes, *frame_notes))
 
 
 def _check_ellipse_ratios(data: bytes, source: str) -> None:

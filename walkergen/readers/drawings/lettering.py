@@ -16,8 +16,8 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError, InputError, Remedy
 from walkergen.core.files import file_reading
-from walkergen.readers.drawings.contours import FLATNESS, Shape, flatten
-from walkergen.readers.drawings.outlines import Polygon, area, from_shapes
+from walkergen.readers.drawings.contours import FLATNESS, area, flatten
+from walkergen.readers.drawings.outlines import Polygon, from_contours
 
 MAX_CHARACTERS = 40
 
@@ -41,7 +41,7 @@ def text_outline(
     With `rails`, two bars of this width (mm) join the letters along the feet and the tops of capitals. `font` is a
     font's file, by default DejaVu Sans. If `connected`, the outline must be one piece, as for a body. Raises
     GeometryError, which begins with `source` and the text: for no characters or more than MAX_CHARACTERS, for
-    characters that the font lacks or that draw only blanks, for a text of several pieces, and for what `from_shapes`
+    characters that the font lacks or that draw only blanks, for a text of several pieces, and for what `from_contours`
     refuses.
     """
     where = f"{source} = {text if len(text) <= MAX_CHARACTERS else text[:20] + '...'!r}"
@@ -58,7 +58,7 @@ def text_outline(
     contours = [scale * contour for contour in _text_contours(text, font_path)]
     if rails is not None:
         contours = _add_rails(contours, height, rails)
-    return from_shapes([Shape(contours, nonzero=False)], where, connected)
+    return from_contours(contours, where, connected)
 
 
 def _check_characters(text: str, where: str, font: str) -> None:
@@ -104,7 +104,7 @@ def _add_rails(contours: list[Polygon], height: float, width: float) -> list[Pol
 
 def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
     """Raise GeometryError, which begins with `where`, if letters, or parts of one, do not touch, and name them."""
-    if rails is not None or _count_pieces(text, font) == 1:  # `from_shapes` reports what rails leave apart
+    if rails is not None or _count_pieces(text, font) == 1:  # `from_contours` reports what rails leave apart
         return
     broken = [letter for letter in dict.fromkeys(text) if letter != " " and _count_pieces(letter, font) > 1]
     if broken:

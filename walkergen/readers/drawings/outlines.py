@@ -2,21 +2,23 @@
 
 An outline is a list of polygons, shape (n, 2), mm, without a repeated last point: outer contours
 counter-clockwise, holes clockwise, the outer ones first. The middle of its bounding box is the
-origin. Outlines from all sources pass `from_shapes`: one piece, no contour that crosses or
+origin. Outlines from all sources pass `from_contours`: one piece, no contour that crosses or
 touches itself or another.
 """
 
 import re
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.errors import GeometryError, InputError, Remedy
 from walkergen.core.numerics import Array
 from walkergen.readers.drawings import dxf, overlaps, silhouette, svg
-from walkergen.readers.drawings.contours import MAX_POINTS, Shape
+from walkergen.readers.drawings.contours import MAX_POINTS, Drawing
+from walkergen.readers.drawings.contours import area as area
 
 Polygon = Array
 
@@ -63,14 +65,14 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
     left = quarter[-2:0:-1] * np.array([-1.0, 1.0])
     upper = np.vstack([quarter, left])
     axes = 0.5 * np.array([length, depth])
-    return from_shapes([Shape([np.vstack([upper, -upper]) * axes], nonzero=False)], f"{source} = {length:g}")
+    return from_contours([np.vstack([upper, -upper]) * axes], f"{source} = {length:g}")
 
 
 def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
     """Return the outline with these corners, mm, in either sense of rotation. The last is joined to the first.
 
     Raises GeometryError, which begins with `source`, for fewer than three points, a repeated
-    point, or an outline that `from_shapes` refuses.
+    point, or an outline that `from_contours` refuses.
     """
     try:
         corners = np.array(points, dtype=np.float64)
@@ -86,7 +88,7 @@ def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.poi
             f"{where}: {_format_point(twice)} is given twice. Remove one (the last point is joined "
             "to the first automatically)."
         )
-    return from_shapes([Shape([corners], nonzero=False)], where)
+    return from_contours([corners], where)
 
 
 class Outline(NamedTuple):
@@ -105,13 +107,13 @@ def from_file(
     mend: bool = False,
     connected: bool = True,
 ) -> Outline:
-    """Return the outline of a drawing's closed paths, or of a picture's shape, as people see it (SVG has y down).
+    """Return the outline of what a drawing or a picture shows, as people see it (SVG has y down).
 
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm` the
-    length of the whole. Paths inside others are holes, and so on alternately, whatever their colours. In one SVG path,
-    its fill rule decides. With `mend`, paths that cross or touch are united. If `connected`, there must be one piece.
-    Raises InputError for a file that cannot be read as such (see svg.py, dxf.py and silhouette.py), NoUnitError for one
-    that states no unit, GeometryError for a shape that `from_shapes` refuses. All begin with `source` = the name.
+    length of the whole. Where lines are outlines, as in DXF, a path inside another is a hole, and so on alternately;
+    with `mend`, paths that cross or touch are united. If `connected`, there must be one piece. Raises InputError for a
+    file that cannot be read as such (see svg.py, dxf.py and silhouette.py), NoUnitError for one that states no unit,
+    GeometryError for a shape that `from_contours` refuses. All begin with `source` = the name.
     """
     where = f"{source} = {path.name!r}"
     if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):
@@ -120,61 +122,71 @@ def from_file(
     if reader is None:
         raise InputError(f"{where}: must be a drawing, .svg or .dxf, or a picture, .png or .jpg")
     drawing = reader(path, scale_mm if length_mm is None else 1.0, where)
-    shapes, notes = drawing.shapes, drawing.notes
     if length_mm is not None:
-        shapes = _scale_to_length(shapes, length_mm)
+        drawing = _scale_to_length(drawing, length_mm)
+    contours, contacts, notes = drawing.contours, drawing.contacts, drawing.notes
     try:
-        return Outline(from_shapes(shapes, where, connected), notes)
-    except OverlapError as error:
+        polygons = from_contours(contours, where, connected, contacts)
+    except OverlapError:
         if not mend:
-            raise error
-    return Outline(
-        from_shapes([overlaps.unite_shapes(shapes)], where, connected), (*notes, "united paths that cross or touch")
-    )
+            raise
+        contours, contacts = overlaps.unite_contours(contours)
+        polygons = from_contours(contours, where, connected, contacts)
+        notes += ("united paths that cross or touch",)
+    if contacts:
+        places = ", ".join(map(_format_point, contacts[:3])) + (", ..." if len(contacts) > 3 else "")
+        notes += (f"nothing joins what touches only in a point, at {places} mm",)
+    return Outline(polygons, notes)
 
 
-def _scale_to_length(shapes: Sequence[Shape], length: float) -> list[Shape]:
-    """Scale the shapes until all together have this length, mm."""
-    x = np.concatenate([contour[:, 0] for shape in shapes for contour in shape.contours] or [np.zeros(1)])
+def _scale_to_length(drawing: Drawing, length: float) -> Drawing:
+    """Scale a drawing until all of it has this length, mm."""
+    x = np.concatenate([contour[:, 0] for contour in drawing.contours] or [np.zeros(1)])
     extent = float(np.ptp(x))
     scale = length / extent if 0.0 < extent < np.inf else 1.0
-    return [Shape([scale * contour for contour in shape.contours], shape.nonzero) for shape in shapes]
+    contours, contacts = ([scale * points for points in each] for each in (drawing.contours, drawing.contacts))
+    return drawing._replace(contours=contours, contacts=contacts)
 
 
-def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:
-    """Return the outline of shapes: their contours checked, sorted and centred.
+def from_contours(
+    contours: Sequence[Polygon], source: str, connected: bool = True, contacts: Sequence[Array] = ()
+) -> list[Polygon]:
+    """Return the outline of contours: checked, sorted and centred. Every second one inward is a hole.
 
     Raises GeometryError, which begins with `source`, for an outline without contours or area, with
     a number that is not finite, beyond MAX_POINTS, MAX_CONTOURS or the sizes allowed, with
-    contours that cross or touch, or, where `connected`, of several pieces.
+    contours that cross or touch, or, where `connected`, of several pieces. `contacts`: points in which pieces touched.
     """
-    contours = [_drop_repeated_points(contour) for shape in shapes for contour in shape.contours]
+    contours = [_drop_repeated_points(contour) for contour in contours]
     try:
         _check_extent(contours)
         for contour in contours:
             _check_simple(contour)
         _check_apart(contours)
-        levels = _nesting_levels(shapes, contours)
-        pieces = [contour for contour, level in zip(contours, levels, strict=True) if level == 0]
+        are_holes = _find_holes(contours)
+        pieces = [contour for contour, is_hole in zip(contours, are_holes, strict=True) if not is_hole]
         if connected and len(pieces) > 1:
-            places = " and ".join(_format_point(piece.mean(axis=0)) for piece in pieces[:2])
-            raise GeometryError(f"is in {len(pieces)} pieces, as about {places}. Join them, or keep one.")
+            _refuse_pieces(pieces, contacts)
     except GeometryError as error:
-        raise type(error)(f"{source}: {error.text}") from None
+        raise type(error)(f"{source}: {error.fault}", helps=error.helps) from None
     points = np.vstack(pieces)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return [
-        _orient_contour(contour - middle, counter_clockwise=level == 0)
-        for wanted_level in (0, 1)
-        for contour, level in zip(contours, levels, strict=True)
-        if level == wanted_level
+        _orient_contour(contour - middle, counter_clockwise=not wanted)
+        for wanted in (False, True)
+        for contour, is_hole in zip(contours, are_holes, strict=True)
+        if is_hole == wanted
     ]
 
 
-def area(polygon: Polygon) -> float:
-    """Return the area enclosed by a polygon, mm^2, negative when its points go clockwise."""
-    x, y = (polygon - polygon[:1]).T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+def _refuse_pieces(pieces: Sequence[Polygon], contacts: Sequence[Array]) -> NoReturn:
+    """Raise GeometryError for an outline of several pieces, with the points in which they touch, if they do."""
+    if contacts:
+        where = f"that touch only in a point, at {_format_point(contacts[0])} mm. Let them overlap"
+    else:
+        where = f"as about {' and '.join(_format_point(piece.mean(axis=0)) for piece in pieces[:2])}. Join them"
+    remedy = Remedy("join them by a base plate", {"body.repair": True})
+    raise GeometryError(f"is in {len(pieces)} pieces, {where}, or keep one.", helps=partial(tuple, [remedy]))
 
 
 def _drop_repeated_points(contour: Polygon) -> Polygon:
@@ -238,29 +250,13 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
             )
 
 
-def _nesting_levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
-    """Return 0 for an outer contour, 1 for a hole, None for a line inside the area that its shape's fill rule fills."""
+def _find_holes(contours: Sequence[Polygon]) -> list[bool]:
+    """Return for each contour whether it lies within one other, or three, and so on."""
     from shapely import STRtree, points, polygons
 
-    owners = [number for number, shape in enumerate(shapes) for _ in shape.contours]
-    directions = [1 if area(contour) > 0.0 else -1 for contour in contours]
-    enclosing: list[list[int]] = [[] for _ in contours]  # contours do not cross: a point will do
-    tree = STRtree([polygons(contour) for contour in contours])
-    starts = points(np.array([contour[0] for contour in contours]))
-    for inner, outer in tree.query(starts, predicate="within").T:
-        enclosing[inner].append(int(outer))
-
-    def is_boundary(number: int) -> bool:
-        """Return whether a contour, by its index, separates filled from unfilled area of its shape."""
-        owner = owners[number]
-        outside = sum(directions[outer] for outer in enclosing[number] if owners[outer] == owner)
-        return not shapes[owner].nonzero or (outside == 0) != (outside + directions[number] == 0)
-
-    boundaries = [is_boundary(number) for number in range(len(contours))]
-    return [
-        sum(boundaries[outer] for outer in enclosing[number]) % 2 if boundaries[number] else None
-        for number in range(len(contours))
-    ]
+    starts = points(np.array([contour[0] for contour in contours]))  # contours do not cross: a point will do
+    inner, _ = STRtree([polygons(contour) for contour in contours]).query(starts, predicate="within")
+    return [bool(count % 2) for count in np.bincount(inner, minlength=len(contours))]
 
 
 def _orient_contour(contour: Polygon, counter_clockwise: bool) -> Polygon:

@@ -1,106 +1,138 @@
-"""Union of drawn paths that cross or touch to contours that do neither, and the separate pieces of an outline."""
+"""Regions of a drawing: contours that overlap become regions, and regions become contours that do not touch."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from functools import reduce
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import manifold3d
 import numpy as np
 
 from walkergen.core.numerics import Array
-from walkergen.readers.drawings.contours import Shape
+from walkergen.readers.drawings.contours import area
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-JOINT_RADIUS = 0.02
-"""Radius, over the drawing's longer side, of the disc that joins parts that meet in a point."""
+Region: TypeAlias = manifold3d.CrossSection
 
-GRID_SIZE = 1e-7
-"""Grid, over the drawing's longer side, on which contours meet."""
+REGION_SIZE = 2.0**20
+"""Size of a drawing after scaling for manifold3d, which rounds to 1e-8 units."""
+
+ROUNDING = 1e-7 * REGION_SIZE
+"""Width of the slits and fins that rounding leaves where two shapes share an edge."""
+
+MAX_SLIT = 1e-3 * REGION_SIZE
+"""Width of a slit below which it is closed: 0.03 mm on a body of 28 mm. Slicers close slits of 0.1 mm."""
+
+MAX_CONTACT_GAP, CONTACT_RADIUS = 1e-6 * REGION_SIZE, 1e-3 * REGION_SIZE
+"""Gap below which contours touch, and radius of what is cut away there: files of meshes have 7 digits, and two circles
+that touch are apart by 1e-6 of their size at 1e-3 from there."""
+
+MITER_LIMIT = 1e3
+"""Corners keep their tips when a region grows and shrinks: curves have chords that turn by more than 1/500."""
 
 MIN_AREA_SHARE = 1e-6
-"""Area over the largest below which a piece or a hole is rounding."""
-
-MANIFOLD_SIZE = 2.0**20
-"""Size of drawings after scaling for manifold3d, which rounds to 1e-8 units."""
+"""Area over that of the drawing's square below which a piece or a hole is rounding."""
 
 
-def unite_shapes(shapes: Sequence[Shape]) -> Shape:
-    """Unite shapes that may overlap into one whose contours neither cross nor touch.
+class Frame(NamedTuple):
+    """Frame of the regions of a drawing."""
 
-    Each is filled by its own rule. A shape that lies within a larger one is a hole in it, as in `outlines.from_shapes`;
-    one that crosses it is united with it. Parts that meet only in a point are joined.
+    middle: Array
+    scale: float
+    """Units of a region in one of the drawing."""
+
+    def region(self, contours: Iterable[Array], nonzero: bool) -> Region:
+        """Return the region that contours fill by the rule nonzero, or else even-odd."""
+        rule = manifold3d.FillRule.NonZero if nonzero else manifold3d.FillRule.EvenOdd
+        return Region([self.scale * (contour - self.middle) for contour in contours if len(contour) > 2], rule)
+
+    def contours(self, region: Region) -> list[Array]:
+        """Return the contours of a region in units of the drawing, without what is too small to be drawn."""
+        rings = [ring for ring in region.to_polygons() if abs(area(ring)) > MIN_AREA_SHARE * REGION_SIZE**2]
+        return [self.to_drawing(ring) for ring in rings]
+
+    def to_drawing(self, points: Array) -> Array:
+        """Return points of a region in units of the drawing."""
+        return np.asarray(points, dtype=np.float64) / self.scale + self.middle
+
+
+def frame_of(points: Array) -> Frame:
+    """Return the frame for a drawing with these points, shape (n, 2)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    return Frame(0.5 * (low + high), REGION_SIZE / (float((high - low).max()) or 1.0))
+
+
+def unite_contours(contours: Sequence[Array]) -> tuple[list[Array], list[Array]]:
+    """Unite contours that cross or touch. Return those of their union, and the points in which it touches itself.
+
+    One that lies within the others is a hole in them, and so on alternately; one that crosses them is united with them.
     """
-    import shapely
+    frame, union = frame_of(np.vstack(contours)), Region()
+    regions = [frame.region([contour], nonzero=False) for contour in contours]
+    for region in sorted(regions, key=lambda region: -region.area()):
+        is_within = (region - union).area() <= MIN_AREA_SHARE * region.area()
+        union = union - region if is_within else union + region
+    return separate_contours(union, frame)
 
-    regions = sorted(filter(None, map(_filled_region, shapes)), key=lambda region: -_fill_holes(region).area)
-    union: BaseGeometry = shapely.Polygon()
-    for region in regions:
-        within = union.contains(region)
-        union = union.difference(region) if within else union.union(region)
-    if union.is_empty:
-        return Shape([], nonzero=False)
-    left, low, right, high = union.bounds
-    size = max(right - left, high - low)
-    union = shapely.set_precision(union, GRID_SIZE * size)
-    union = shapely.union_all(
-        [union, *(point.buffer(JOINT_RADIUS * size) for point in _touching_points(union, GRID_SIZE * size))]
-    )
-    polygons = [polygon for polygon in shapely.get_parts(union) if polygon.area > 0.0]
-    min_area = MIN_AREA_SHARE * max((polygon.area for polygon in polygons), default=0.0)
-    rings = [
-        np.asarray(ring.coords)[:-1]
-        for polygon in polygons
-        if polygon.area > min_area
-        for ring in (polygon.exterior, *polygon.interiors)
-        if shapely.Polygon(ring).area > min_area
+
+def separate_contours(region: Region, frame: Frame) -> tuple[list[Array], list[Array]]:
+    """Return contours of a region that do not touch, and the points in which it touched itself, in the drawing's units.
+
+    Slits are closed. A point holds nothing together: the region is open there by CONTACT_RADIUS.
+    """
+    region = _grow(_grow(_grow(region, -ROUNDING), 2.0 * ROUNDING), -ROUNDING)
+    contacts = find_contacts(region)
+    slits = _grow(_grow(region, 0.5 * MAX_SLIT), -0.5 * MAX_SLIT) - region
+    discs = [Region.circle(CONTACT_RADIUS, 16).translate(point) for point in contacts]
+    cut = unite(discs)
+    wide = [
+        _grow(slit, ROUNDING)
+        for slit in slits.decompose()
+        if slit.area() > ROUNDING * MAX_SLIT and (not discs or (slit ^ cut).is_empty())
     ]
-    return Shape(rings, nonzero=False)
+    region = unite([region, *wide]) - cut
+    return frame.contours(region), [frame.to_drawing(point) for point in contacts]
 
 
-def _filled_region(shape: Shape) -> "BaseGeometry":
-    """Return the region that a shape fills by its fill rule."""
+def unite(regions: Sequence[Region]) -> Region:
+    """Return the union of regions."""
+    return Region.batch_boolean(list(regions), manifold3d.OpType.Add) if regions else Region()
+
+
+def _grow(region: Region, distance: float) -> Region:
+    """Grow a region by a distance, or shrink it by a negative one. Corners stay corners."""
+    return region.offset(distance, manifold3d.JoinType.Miter, MITER_LIMIT)
+
+
+def find_contacts(region: Region) -> list[Array]:
+    """Return the points in which contours of a region touch themselves or each other, shape (2,) each."""
     import shapely
 
-    contours = [contour for contour in shape.contours if len(contour) > 2]
-    if not contours:
-        return shapely.Polygon()
-    points = np.vstack(contours)
-    middle, size = points.mean(axis=0), float(np.ptp(points, axis=0).max()) or 1.0
-    rule = manifold3d.FillRule.NonZero if shape.nonzero else manifold3d.FillRule.EvenOdd
-    section = manifold3d.CrossSection([(MANIFOLD_SIZE / size) * (contour - middle) for contour in contours], rule)
-    union: BaseGeometry = shapely.Polygon()
-    for ring in section.to_polygons():
-        union = union.symmetric_difference(
-            shapely.Polygon(np.asarray(ring) * (size / MANIFOLD_SIZE) + middle).buffer(0.0)
-        )
-    return union
-
-
-def _fill_holes(region: "BaseGeometry") -> "BaseGeometry":
-    """Fill the holes of a region."""
-    import shapely
-
-    return shapely.union_all([shapely.Polygon(part.exterior) for part in shapely.get_parts(region)])
-
-
-def _touching_points(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]":
-    """Return the points where contours of a region come within a gap of each other."""
-    import shapely
-
-    rings = [ring for part in shapely.get_parts(region) for ring in (part.exterior, *part.interiors)]
-    pairs = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=gap).T
-    meetings = [rings[i].intersection(rings[j].buffer(gap)) for i, j in pairs if i < j]
-    return [part.centroid for meeting in meetings for part in shapely.get_parts(meeting)]
+    rings = [np.asarray(ring, dtype=np.float64) for ring in region.simplify(MAX_CONTACT_GAP).to_polygons()]
+    if not rings:
+        return []
+    points, ends = np.vstack(rings), np.vstack([np.roll(ring, -1, axis=0) for ring in rings])
+    edges = shapely.linestrings(np.stack([points, ends], axis=1))
+    following = np.concatenate([np.roll(np.arange(len(ring)), -1) for ring in rings])
+    starts = np.cumsum([0, *map(len, rings[:-1])])
+    following += np.repeat(starts, list(map(len, rings)))
+    corner, edge = shapely.STRtree(edges).query(shapely.points(points), predicate="dwithin", distance=MAX_CONTACT_GAP)
+    corner = corner[(corner != edge) & (corner != following[edge])]
+    found: list[Array] = []
+    for point in points[corner]:
+        if all(np.hypot(*(point - other)) > CONTACT_RADIUS for other in found):
+            found.append(point)
+    return found
 
 
 def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":
     """Return the separate pieces of an outline, each with its holes, the largest first. `plan`: its contours."""
     import shapely
 
-    region: BaseGeometry = shapely.Polygon()
-    for contour in plan:
-        region = region.symmetric_difference(shapely.Polygon(contour))
+    region: BaseGeometry = reduce(
+        lambda union, contour: union.symmetric_difference(shapely.Polygon(contour)), plan, shapely.Polygon()
+    )
     return sorted(shapely.get_parts(region), key=lambda piece: -piece.area)
 
 
@@ -108,7 +140,6 @@ def contours(region: "BaseGeometry") -> list[Array]:
     """Return the contours of a polygon, or of several: the outer ones counter-clockwise, then holes clockwise."""
     import shapely
 
-    parts = shapely.get_parts(region.normalize()).tolist()
-    outer = [np.asarray(shapely.geometry.polygon.orient(part).exterior.coords)[:-1] for part in parts]
-    holes = [np.asarray(ring.coords)[:-1] for part in parts for ring in shapely.geometry.polygon.orient(part).interiors]
-    return [np.ascontiguousarray(ring) for ring in (*outer, *holes)]
+    parts = [shapely.geometry.polygon.orient(part) for part in shapely.get_parts(region.normalize())]
+    rings = [*(part.exterior for part in parts), *(ring for part in parts for ring in part.interiors)]
+    return [np.ascontiguousarray(np.asarray(ring.coords)[:-1]) for ring in rings]

@@ -13,7 +13,7 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
 from walkergen.core.numerics import Array
-from walkergen.readers.drawings.contours import Drawing, NoUnitError, Shape
+from walkergen.readers.drawings.contours import Drawing, NoUnitError
 
 MAX_BYTES, MAX_PIXELS = 50_000_000, 100_000_000
 """Largest file, and pixels of a picture at most."""
@@ -52,7 +52,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
         raise NoUnitError(f"{source}: a picture has no size in mm. Set body.length_mm.")
     found = trace(path, source)
     scale = np.array([scale_mm, -scale_mm])
-    return Drawing([Shape([ring * scale for ring in found.contours], nonzero=False)], found.notes)
+    return Drawing([ring * scale for ring in found.contours], found.notes)
 
 
 def trace(path: Path, source: str) -> Silhouette:

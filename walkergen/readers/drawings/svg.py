@@ -2,14 +2,13 @@
 
 A file is read in three steps. The standard library parses the XML and fetches nothing.
 Style sheets become attributes (`svg_styles`). One walk of the tree finds the visible shapes
-(`svg_elements`), which are flattened here.
+(`svg_elements`), which are painted (`svg_painting`) as areas (`svg_areas`).
 """
 
 import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 from xml.parsers import expat
@@ -19,21 +18,12 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
 from walkergen.core.numerics import Array
-from walkergen.readers.drawings.contours import (
-    FLATNESS,
-    MAX_BYTES,
-    MAX_END_GAP,
-    Drawing,
-    NoUnitError,
-    Shape,
-    flatten,
-    is_within_gap,
-)
+from walkergen.readers.drawings.contours import MAX_BYTES, Drawing, NoUnitError, area
+from walkergen.readers.drawings.overlaps import REGION_SIZE, Frame, frame_of, separate_contours, unite
 
 if TYPE_CHECKING:
-    from shapely.geometry.base import BaseGeometry
-
-    from walkergen.readers.drawings.svg_elements import Clip, Tree, VisibleShape
+    from walkergen.readers.drawings.svg_elements import Tree, VisibleShape
+    from walkergen.readers.drawings.svg_paints import Colour
 
 MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
 """Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
@@ -44,17 +34,19 @@ MAX_ENTITY_LENGTH = 200
 MIN_PAGE_SHARE = 0.99
 """Minimum size of a white rectangle that is the paper, as a share of the page along both sides."""
 
-MIN_RECTANGLE_FILL = 0.9
-"""Minimum share of its box that a rectangle fills: corners may be round."""
+MIN_RECTANGLE_FILL, MIN_SHARP_FILL = 0.9, 0.999
+"""Minimum share of its box that a rectangle fills: the corners of white paper may be round. A coloured rectangle with
+round corners is a thing."""
 
 MAX_OVERHANG_SHARE = 0.01
 """Share of the page that a shape may reach beyond it without a note."""
 
-LINE_WIDTH_WARNING = 0.01
-"""Width of lines over the drawing's longer side. Above it a note states that the width is ignored."""
+MAX_LINE_SHARE, MAX_OUTLINE_SHARE = 0.01, 0.02
+"""Width of a line over the drawing's longer side up to which it has no area, where anything is filled and where nothing
+is: 0.3 and 0.6 mm on a body of 28 mm. A nozzle prints no ring that is thinner."""
 
-CLIP_TOLERANCE = 1e-6
-"""Maximum share of a shape's area that a clip path may cut without a change to the shape: rounding."""
+MIN_MARGIN_SHARE = 0.01
+"""Share of a filled area by which outlines around it must be larger to be the outline of a body."""
 
 
 def pack(polygons: Sequence[Array]) -> bytes:
@@ -78,12 +70,13 @@ def pack(polygons: Sequence[Array]) -> bytes:
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Read the closed contours of an SVG file, in mm, y up, a shape for every visible element.
+    """Read the contours of what an SVG file shows, in mm, y up: what differs in colour from the paper is the body.
 
+    Shapes are painted in their order over white paper, or over a coloured rectangle as large as the page. Lines thinner
+    than MAX_LINE_SHARE have no area. A drawing of nothing but thin closed lines is one of outlines, as DXF is.
     `scale_mm` (mm per unit of the drawing, that of its viewBox) takes precedence over the size that the file states.
-    Left out, with a note, are elements without colour and a white page. Raises InputError, which begins with `source`,
-    for a file that is no SVG, states no size in mm, cm, in, pt or pc while `scale_mm` is None, shows a picture or text,
-    or an open path.
+    Raises InputError, which begins with `source`, for a file that is no SVG, states no size in mm, cm, in, pt or pc
+    while `scale_mm` is None, shows a picture or text, or an open outline.
     """
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, "SVG"):
@@ -91,7 +84,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Return the shapes in the bytes of an SVG file, and notes. The libraries may raise any exception."""
+    """Return the contours in the bytes of an SVG file, and notes. The libraries may raise any exception."""
     from walkergen.readers.drawings import svg_elements, svg_styles, svg_tags
 
     root = _parse_xml(data, source)
@@ -104,25 +97,19 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         scale = _mm_per_unit(root, source) if scale_mm is None else (scale_mm, scale_mm)
         page = _page_box(root, source)
         visible = tree.visible_shapes(page[2:])
-        box = _bounding_box(visible)
-        if not np.isfinite(box).all():
+        if not np.isfinite(_bounding_box(visible)).all():
             raise InputError(f"{source}: a coordinate is not finite. Use numbers up to 1e300.")
-        size = float((box[1] - box[0]).max()) if visible else 0.0
-        shapes = [_clipped_shape(one, size, source) for one in visible]
+        drawing = _paint_shapes(visible, page, source)
     except RecursionError:
         raise InputError(f"{source}: elements are nested too deeply") from None
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
         raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
-    shapes, notes = _drop_page(visible, shapes, page)
-    notes = [*_omission_notes(tree), *notes]
-    if beyond := sum(_is_beyond_page(shape, page) for shape in shapes):
-        notes.append(
-            f"took {formatting.format_count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser"
-        )
-    if (line := max((one.line for one in visible), default=0.0)) > LINE_WIDTH_WARNING * size:
-        notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
-    to_mm = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
-    return Drawing([Shape([ring * to_mm for ring in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
+    notes = [*_omission_notes(tree), *drawing.notes]
+    if _is_beyond_page(drawing.contours, page):
+        notes.append("took whole what the page's edge cuts in a browser")
+    to_mm = np.array([scale[0], -scale[1]])  # people see y down; the body has it up
+    contours, contacts = ([points * to_mm for points in each] for each in (drawing.contours, drawing.contacts))
+    return Drawing(contours, tuple(notes), contacts)
 
 
 def _omission_notes(tree: "Tree") -> list[str]:
@@ -135,23 +122,98 @@ def _omission_notes(tree: "Tree") -> list[str]:
     return notes
 
 
-def _drop_page(
-    visible: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
-) -> tuple[list[Shape], list[str]]:
-    """Return the shapes of `visible` without white ones as large as the page (left, top, width, height), and notes."""
-    covers_page = [_is_page_rectangle(shape, page) for shape in shapes]
-    is_paper = [covers and one.white for covers, one in zip(covers_page, visible, strict=True)]
-    if any(is_paper) and not all(is_paper):
-        left = [shape for shape, white in zip(shapes, is_paper, strict=True) if not white]
-        return left, ["left out a white rectangle as large as the page"]
-    if any(covers_page) and not all(covers_page):
-        return shapes, ["took a rectangle as large as the page for a body, and what lies in it for holes"]
-    return shapes, []
+def _paint_shapes(visible: "Sequence[VisibleShape]", page: Sequence[float], source: str) -> Drawing:
+    """Return the contours of what shapes show on the page (left, top, width, height), in the drawing's units."""
+    from walkergen.readers.drawings.svg_areas import coats, line_width
+    from walkergen.readers.drawings.svg_painting import paint
+
+    shapes, paper, notes = _choose_paper(visible, page)
+    frame = frame_of(_bounding_box(shapes))
+    has_fill = any(shape.fill.alpha > 0.0 for shape in shapes)
+    thin = (MAX_LINE_SHARE if has_fill else MAX_OUTLINE_SHARE) * REGION_SIZE / frame.scale
+    painted = paint(coats(shapes, frame, thin), paper)
+    body = unite([area for area, colour in painted if colour.differs(paper)])
+    outlined = [shape for shape in shapes if 0.0 < line_width(shape) <= thin]
+    unfilled = [shape for shape in outlined if shape.fill.alpha == 0.0]
+    if body.is_empty() and outlined:
+        return Drawing(_outlines(outlined, frame, source), notes)
+    if unfilled:
+        contours = _outlines(unfilled, frame)
+        around = frame.region(contours, nonzero=False)
+        outside, share = (body - around).area(), MIN_MARGIN_SHARE * body.area()
+        if outside < share and around.area() > body.area() + share:
+            return Drawing(contours, (*notes, "took thin lines for the outline, and what is filled in them for marks"))
+        notes += (f"left out {formatting.format_count(len(unfilled), 'thin line', 'thin lines')} without area",)
+    if body.is_empty():
+        body = unite([area for area, _ in painted])  # white on nothing
+    contours, contacts = separate_contours(body, frame)
+    return Drawing(contours, notes, contacts)
 
 
-def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
-    """Return whether a shape reaches beyond the page (left, top, width, height), if the page has a size."""
-    points = np.vstack([np.zeros((0, 2)), *shape.contours])
+def _outlines(shapes: "Sequence[VisibleShape]", frame: Frame, source: str | None = None) -> list[Array]:
+    """Return the contours of thin lines. Open ones are left out; with `source`, they raise InputError."""
+    from walkergen.readers.drawings.svg_areas import filled_area, subpaths
+
+    contours = []
+    for shape in shapes:
+        parts = list(subpaths(shape, REGION_SIZE / frame.scale))
+        for part in parts:
+            if not (part.closed or shape.fill.alpha > 0.0) and source:
+                begin, end = _format_point(part.local[0]), _format_point(part.local[-1])
+                raise InputError(
+                    f"{source}: a path is open: it begins at {begin} and ends at {end} of the drawing; close it (Z), "
+                    "leave it out, or make a path of its stroke"
+                )
+        closed = [part.points for part in parts if part.closed or shape.fill.alpha > 0.0]
+        contours += frame.contours(filled_area(shape, frame)) if shape.clips else closed
+    return contours
+
+
+def _choose_paper(
+    visible: "Sequence[VisibleShape]", page: Sequence[float]
+) -> "tuple[Sequence[VisibleShape], Colour, tuple[str, ...]]":
+    """Return the shapes on the paper, its colour, and notes. `page`: left, top, width and height.
+
+    White rectangles and thin frames as large as the page are paper. A coloured one below all others is, if one of these
+    has a third colour, and all are apart from the page's edge.
+    """
+    from walkergen.readers.drawings.svg_paints import WHITE
+
+    covers = [_is_page_rectangle(shape, page) for shape in visible]
+    blank = [cover and not _shows_on_white(shape, page) for cover, shape in zip(covers, visible, strict=True)]
+    notes: tuple[str, ...] = ()
+    if any(blank) and not all(blank):
+        visible = [shape for shape, is_blank in zip(visible, blank, strict=True) if not is_blank]
+        covers = [cover for cover, is_blank in zip(covers, blank, strict=True) if not is_blank]
+        notes = ("left out a white or thin rectangle as large as the page",)
+    if not any(covers) or all(covers):
+        return visible, WHITE, notes
+    sheet, others = visible[0].fill, visible[1:]
+    opaque = [shape for shape in others if not shape.layers]
+    colours = [colour for shape in opaque for colour in (shape.fill, shape.line.colour if shape.line else shape.fill)]
+    has_third = any(one.alpha == 1.0 and one.differs(WHITE) and one.differs(sheet) for one in colours)
+    low, high = _bounding_box(others) - np.array(page[:2])
+    margin = (1.0 - MIN_PAGE_SHARE) * np.array(page[2:])
+    is_apart = bool((low > margin).all() and (high < np.array(page[2:]) - margin).all())
+    if covers[0] and sheet.alpha == 1.0 and has_third and is_apart:
+        return others, sheet, (*notes, "took a coloured rectangle as large as the page for paper")
+    if any(one.differs(sheet) for one in colours):
+        notes += ("took a rectangle as large as the page for a body, and what is white in it for holes",)
+    return visible, WHITE, notes
+
+
+def _shows_on_white(shape: "VisibleShape", page: Sequence[float]) -> bool:
+    """Return whether a shape's fill differs from white, or its line does and is not a thin one about the page."""
+    from walkergen.readers.drawings.svg_areas import line_width
+    from walkergen.readers.drawings.svg_paints import WHITE
+
+    is_lined = line_width(shape) > MAX_LINE_SHARE * max(page[2:])
+    return shape.fill.differs(WHITE) or bool(is_lined and shape.line and shape.line.colour.differs(WHITE))
+
+
+def _is_beyond_page(contours: Sequence[Array], page: Sequence[float]) -> bool:
+    """Return whether contours reach beyond the page (left, top, width, height), if the page has a size."""
+    points = np.vstack([np.zeros((0, 2)), *contours])
     low, size = np.array(page[:2]), np.array(page[2:])
     margin = MAX_OVERHANG_SHARE * size if np.isfinite(size).all() else np.full(2, np.inf)
     return bool(((points < low - margin) | (points > low + size + margin)).any())
@@ -250,98 +312,20 @@ def _bounding_box(visible: "Sequence[VisibleShape]") -> Array:
     return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) else np.zeros((2, 2))
 
 
-def _clipped_shape(shape: "VisibleShape", size: float, source: str) -> Shape:
-    """Return the contours of a shape in the drawing's units, cut by its clips. `size` is the drawing's longer side."""
-    contours = list(_unclipped_contours(shape, size, source))
-    for clip in shape.clips:
-        if contours:
-            contours, nonzero = _clip_contours(contours, shape.nonzero, clip, size, source)
-            shape = shape._replace(nonzero=nonzero)
-    return Shape(contours, shape.nonzero)
+def _is_page_rectangle(shape: "VisibleShape", page: Sequence[float]) -> bool:
+    """Return whether a shape is a rectangle like the page (left, top, width, height). A white one may be rounded."""
+    from walkergen.readers.drawings.svg_areas import subpaths
+    from walkergen.readers.drawings.svg_paints import WHITE
 
-
-def _unclipped_contours(shape: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
-    """Return a shape's contours before clipping, for a drawing of this size. Raises InputError for an open path."""
-    linear, offset = shape.matrix[:, :2], shape.matrix[:, 2]
-    stretch, contours = float(np.linalg.norm(linear, 2)), []
-    for subpath in shape.path.as_subpaths():
-        local = _subpath_points(subpath, FLATNESS * size / max(stretch, 1e-300))
-        if len(local) < 2:
-            continue  # a pen that is moved and draws nothing
-        points = local @ linear.T + offset
-        if is_within_gap(points[0], points[-1], MAX_END_GAP * size):
-            points = points[:-1]
-        elif type(list(subpath)[-1]).__name__ != "Close":
-            raise InputError(
-                f"{source}: a path is open: it begins at {_format_point(local[0])} and ends at "
-                f"{_format_point(local[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
-            )
-        contours.append(points)
-    return contours
-
-
-def _clip_contours(
-    contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str
-) -> tuple[list[Array], bool]:
-    """Clip contours to a clip's shapes, and return them and whether their fill rule is nonzero."""
-    from shapely import union_all
-
-    window = union_all([_filled_area(*_clipped_shape(shape, size, source)) for shape in clip.shapes])
-    area = _filled_area(contours, nonzero)
-    left = area.intersection(window)
-    if left.area >= (1.0 - CLIP_TOLERANCE) * area.area:
-        return list(contours), nonzero
-    pieces = [piece for piece in getattr(left, "geoms", [left]) if piece.geom_type == "Polygon" and piece.area > 0.0]
-    rings = [ring for piece in pieces for ring in (piece.exterior, *piece.interiors)]
-    return [np.array(ring.coords)[:-1] for ring in rings], False
-
-
-def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
-    """Return the area that contours fill by the rule nonzero, or else even-odd."""
-    from shapely import Polygon, union_all
-
-    rings = [Polygon(contour).buffer(0.0) for contour in contours if len(contour) > 2]
-    if nonzero:
-        return union_all(rings)
-    area: BaseGeometry = Polygon()
-    for ring in rings:
-        area = area.symmetric_difference(ring)
-    return area
-
-
-def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:
-    """Return whether a shape is a rectangle, perhaps with round corners, like the page (left, top, width, height)."""
-    if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
+    found = list(subpaths(shape, page[2])) if all(map(math.isfinite, page)) else []
+    if len(found) != 1:
         return False
-    x, y = shape.contours[0].T
-    low, high = shape.contours[0].min(axis=0), shape.contours[0].max(axis=0)
-    fills_box = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= MIN_RECTANGLE_FILL * math.prod(high - low)
+    low, high = found[0].points.min(axis=0), found[0].points.max(axis=0)
+    fill = MIN_SHARP_FILL if shape.fill.differs(WHITE) else MIN_RECTANGLE_FILL
     overlap = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
-    return bool(fills_box and (overlap >= MIN_PAGE_SHARE * np.array(page[2:])).all())
-
-
-def _subpath_points(subpath: Any, tolerance: float) -> Array:
-    """Return the points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
-    points: list[Any] = []
-    for segment in subpath:
-        kind = type(segment).__name__
-        if kind == "Move":
-            points.append(segment.end)
-        elif kind in ("Line", "Close"):
-            points += [segment.start, segment.end]
-        else:
-            points += list(flatten(partial(_evaluate_segment, segment), tolerance))
-    return _to_array(points)
-
-
-def _evaluate_segment(segment: Any, parameters: Array) -> Array:
-    """Return points of a segment of svgelements at parameters of 0 to 1, shape (n, 2)."""
-    return _to_array(segment.npoint(parameters))
-
-
-def _to_array(points: Any) -> Array:
-    """Convert points of svgelements to an array, shape (n, 2)."""
-    return np.array([(point[0], point[1]) for point in points], dtype=np.float64)
+    return abs(area(found[0].points)) >= fill * math.prod(high - low) and bool(
+        (overlap >= MIN_PAGE_SHARE * np.array(page[2:])).all()
+    )
 
 
 def _format_point(point: Array) -> str:

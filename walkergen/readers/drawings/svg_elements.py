@@ -16,16 +16,9 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
 from walkergen.readers.drawings import svg_paints, svg_styles
-from walkergen.readers.drawings.svg_lengths import (
-    DEFAULT_FONT_SIZE,
-    LENGTH_PATTERN,
-    font_size,
-    parse_font_size,
-    parse_length,
-    units_at,
-)
-from walkergen.readers.drawings.svg_matrices import compose, fit_matrix, mean_stretch, parse_transform, parse_view_box
-from walkergen.readers.drawings.svg_paints import XLINK_HREF
+from walkergen.readers.drawings.svg_lengths import DEFAULT_FONT_SIZE, font_size, parse_font_size, parse_length
+from walkergen.readers.drawings.svg_matrices import compose, fit_matrix, parse_transform, parse_view_box
+from walkergen.readers.drawings.svg_paints import BLACK, XLINK_HREF, Colour
 from walkergen.readers.drawings.svg_tags import SHAPE_TAGS, element_name, is_switch_choice
 
 if TYPE_CHECKING:
@@ -44,6 +37,23 @@ PATH_PATTERN = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE.,+\-\s]*")
 POINTS_PATTERN = re.compile(r"[0-9eE.,+\-\s]*")
 
 
+class Line(NamedTuple):
+    """Line along a path."""
+
+    colour: Colour
+    width: float
+    """Width in the units of its shape."""
+    style: Mapping[str, str]
+    """Inherited properties, such as its ends, corners and dashes."""
+
+
+class Layer(NamedTuple):
+    """Element that is drawn apart and then put, as a whole, over what is below it."""
+
+    number: int
+    opacity: float
+
+
 class VisibleShape(NamedTuple):
     """Visible shape of a drawing."""
 
@@ -51,20 +61,23 @@ class VisibleShape(NamedTuple):
     """Its geometry in its own units."""
     matrix: Array
     """From there to the drawing's units, shape (2, 3)."""
-    nonzero: bool
+    nonzero: bool = True
     """Fill rule."""
-    white: bool
-    """Whether all of it is white."""
-    line: float
-    """Width of the line around it, in the drawing's units; 0 without."""
-    clips: "tuple[Clip, ...]"
+    fill: Colour = BLACK
+    line: Line | None = None
+    clips: "tuple[Clip, ...]" = ()
     """Clips of the shape, one after the other."""
+    layers: tuple[Layer, ...] = ()
+    """Layers in which it lies, from outside."""
 
 
 class Clip(NamedTuple):
-    """Window: the union of shapes."""
+    """Window: the union of shapes, or where a mask is light."""
 
     shapes: tuple[VisibleShape, ...]
+    is_mask: bool = False
+    by_alpha: bool = False
+    """Whether a mask shows what is opaque in it, whatever its colour."""
 
 
 class Context(NamedTuple):
@@ -76,6 +89,7 @@ class Context(NamedTuple):
     view: tuple[float, float]
     """Width and height that percents are of."""
     clips: tuple[Clip, ...] = ()
+    layers: tuple[Layer, ...] = ()
     depth: int = 0
     inside: tuple[ET.Element, ...] = ()
     """Elements that <use> repeats at present: none may repeat itself."""
@@ -138,6 +152,9 @@ class Tree:
             raise self._input_error(f"holds {UNREADABLE_TAGS[name]} (<{name}>). {hint}")
         inner = inner._replace(matrix=self._element_matrix(element, inner), clips=inner.clips)
         inner = inner._replace(clips=(*inner.clips, *self._clips(element, inner)))
+        opacity = svg_paints.parse_share(element.attrib.get("opacity"))
+        if opacity < 1.0 and not inner.cutting:
+            inner = inner._replace(layers=(*inner.layers, Layer(self.count, opacity)))
         if name in SHAPE_TAGS:
             yield from self._visible_shape(element, inner)
         elif name == "use":
@@ -158,40 +175,42 @@ class Tree:
             return True
         if name in UNREADABLE_TAGS and context.style.get("visibility", "visible") != "visible":
             return True
-        if name == "text" and not ("".join(element.itertext()).strip() and any(self._visible_paints(context))):
+        if name == "text" and not ("".join(element.itertext()).strip() and self._is_painted(element, context)):
             return True
         if context.cutting:
             return False
         self.filtered += filtered != "none"
-        return svg_paints.is_zero(element.attrib.get("opacity")) or svg_paints.is_hidden_by_filter(
+        return svg_paints.parse_share(element.attrib.get("opacity")) == 0.0 or svg_paints.is_hidden_by_filter(
             filtered, self.targets
         )
 
-    def _visible_paints(self, context: Context) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
-        """Return the paints of a shape's fill and of its line, or None for a paint that does not show."""
-        fill, line = (svg_paints.from_style(context.style, key, self.targets) for key in ("fill", "stroke"))
-        lined = line.shows and not svg_paints.is_zero(context.style.get("stroke-width"))
-        return fill if fill.shows else None, line if lined else None
+    def _is_painted(self, element: ET.Element, context: Context) -> bool:
+        """Return whether a shape's fill or its line has a colour."""
+        fill, line = self._paints(element, context)
+        return fill.alpha > 0.0 or line is not None
+
+    def _paints(self, element: ET.Element, context: Context) -> tuple[Colour, Line | None]:
+        """Return the paint of a shape's fill, perhaps clear, and its line, or None without."""
+        if context.cutting:
+            return BLACK, None
+        fill, stroke = (svg_paints.from_style(context.style, key, self.targets) for key in ("fill", "stroke"))
+        across = float(np.hypot(*context.view) / np.sqrt(2.0))
+        width = parse_length(context.style.get("stroke-width", "1"), font_size(context.style), self.rem, across)
+        return (
+            svg_paints.CLEAR if element_name(element) == "line" else fill,
+            Line(stroke, width, context.style) if stroke.alpha > 0.0 and width > 0.0 else None,
+        )
 
     def _visible_shape(self, element: ET.Element, context: Context) -> Iterator[VisibleShape]:
         """Yield the shape of an element, if it is visible."""
-        style, (filled, lined) = context.style, self._visible_paints(context)
-        if element_name(element) == "line":
-            filled = None
-        if context.cutting:
-            filled, lined = svg_paints.Paint(shows=True, white=False), None
-        paints = [paint for paint in (filled, lined) if paint]
-        if style.get("visibility", "visible") != "visible" or not paints:
+        if context.style.get("visibility", "visible") != "visible" or not self._is_painted(element, context):
             self.unseen += 1
             return
         if any(element.attrib.get(f"marker-{end}", "none") != "none" for end in ("start", "mid", "end")):
             raise self._input_error("it contains a marker on a line. Remove it.")
-        path = self._build_path(element, context)
-        width = LENGTH_PATTERN.fullmatch(style.get("stroke-width", "1")) if lined else None
-        units = units_at(font_size(style), self.rem)
-        line = float(width[1]) * units.get(width[2].lower(), 1.0) * mean_stretch(context.matrix) if width else 0.0
-        nonzero, white = style.get("fill-rule", "nonzero") != "evenodd", all(paint.white for paint in paints)
-        yield VisibleShape(path, context.matrix, nonzero, white, line, context.clips)
+        path, nonzero = self._build_path(element, context), context.style.get("fill-rule", "nonzero") != "evenodd"
+        fill, line = self._paints(element, context)
+        yield VisibleShape(path, context.matrix, nonzero, fill, line, context.clips, context.layers)
 
     def _build_path(self, element: ET.Element, context: Context) -> "svgelements.Path":
         """Return the geometry of a shape in its own units."""
@@ -337,14 +356,14 @@ class Tree:
                 if width > 0 and height > 0
                 else svgelements.Path()
             )
-            clips = (*clips, Clip((VisibleShape(edge, context.matrix, nonzero=True, white=False, line=0.0, clips=()),)))
+            clips = (*clips, Clip((VisibleShape(edge, context.matrix),)))
         context = context._replace(matrix=compose(context.matrix, inner), view=view, clips=clips)
         for child in element:
             if isinstance(child.tag, str):
                 yield from self._element_shapes(child, context)
 
     def _clips(self, element: ET.Element, context: Context) -> Iterator[Clip]:
-        """Yield the clip path and the mask of an element. A mask that is all white cuts as a clip path does."""
+        """Yield the clip path and the mask of an element."""
         for key in ("clip-path", "mask"):
             text = element.attrib.get(key, "none").strip()
             if text == "none":
@@ -366,15 +385,14 @@ class Tree:
             x0, y0, x1, y1 = self._build_path(element, context).bbox() or (0.0, 0.0, 0.0, 0.0)
             matrix = compose(matrix, np.array([[x1 - x0, 0.0, x0], [0.0, y1 - y0, y0]]))
         is_clip_path = element_name(target) == "clipPath"
-        clip_context = Context(matrix, {}, context.view, (), context.depth + 1, (*context.inside, target), is_clip_path)
+        inside = (*context.inside, target)
+        clip_context = Context(matrix, {}, context.view, (), (), context.depth + 1, inside, is_clip_path)
         clip_context = clip_context._replace(matrix=self._element_matrix(target, clip_context))
         inner, counts = self._inner_context(target, clip_context), (self.unseen, self.filtered)
         inner = inner._replace(clips=tuple(self._clips(target, inner)))
         shapes = tuple(shape for child in target for shape in self._element_shapes(child, inner))
         self.unseen, self.filtered = counts
-        if not is_clip_path and not (shapes and all(shape.white for shape in shapes)):
-            raise self._input_error("it contains a mask that is not white. Apply it to the paths.")
         nonzero = [child.attrib.get("clip-rule", inner.style.get("clip-rule")) != "evenodd" for child in target]
         if is_clip_path and len(nonzero) == len(shapes):
             shapes = tuple(shape._replace(nonzero=rule) for shape, rule in zip(shapes, nonzero, strict=True))
-        return Clip(shapes)
+        return Clip(shapes, not is_clip_path, target.attrib.get("mask-type") == "alpha")

@@ -21,7 +21,12 @@ INHERITED_PROPERTIES = (
     "fill-opacity",
     "fill-rule",
     "font-size",
+    "paint-order",
     "stroke",
+    "stroke-dasharray",
+    "stroke-linecap",
+    "stroke-linejoin",
+    "stroke-miterlimit",
     "stroke-opacity",
     "stroke-width",
     "visibility",
@@ -33,6 +38,7 @@ NON_INHERITED_PROPERTIES = (
     "display",
     "filter",
     "mask",
+    "mask-type",
     "opacity",
     "overflow",
     "stop-color",
@@ -64,6 +70,11 @@ INITIAL_VALUES |= {
     "stroke-width": "1",
     "fill-opacity": "1",
     "stroke-opacity": "1",
+    "stroke-dasharray": "none",
+    "stroke-linecap": "butt",
+    "stroke-linejoin": "miter",
+    "stroke-miterlimit": "4",
+    "paint-order": "normal",
 }
 """Initial values of inherited properties."""
 
