@@ -10,7 +10,7 @@ import trimesh
 
 from walkergen.commands.check.weighing import weigh
 from walkergen.core.errors import InputError
-from walkergen.readers.meshes import meshes
+from walkergen.readers.meshes import meshes, polygons
 
 BOX = trimesh.creation.box((28.0, 8.0, 3.0))
 VOLUME = 672.0
@@ -29,6 +29,9 @@ RELATIONS = (
     'Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
     "</Relationships>"
 )
+
+
+MICROSOFT = "http://schemas.microsoft.com/3dmanufacturing/"
 
 
 def mesh_xml(*solids):
@@ -113,9 +116,15 @@ def test_settings_of_cura_mark_parts_that_are_not_printed(tmp_path, name, word, 
 @pytest.mark.parametrize(
     ("attributes", "told"),
     [
+        ('xmlns:x="http://x/production/2015/06" requiredextensions="x"', "requires 'http://x/production/2015/06'"),
+        (f'xmlns:d="{MICROSOFT}displacement/2023/10" requiredextensions="d"', "displacement/2023/10', which walkergen"),
+        (f'xmlns:m="{MICROSOFT}material/2099/01" requiredextensions="m"', "material/2099/01', which walkergen"),
         ('xmlns:b="http://x/beamlattice/2017/02" requiredextensions="b"', "requires 'http://x/beamlattice/2017/02'"),
         ('requiredextensions="q"', "requires 'q'"),
-        ('xmlns:p="http://x/production/2015/06" requiredextensions="p"', None),
+        *(
+            (f'xmlns:p="{MICROSOFT}{name}" requiredextensions="p"', None)
+            for name in ("production/2015/06", "material/2015/02", "slice/2015/07", "trianglesets/2021/07")
+        ),
     ],
 )
 def test_extensions_that_change_meshes_are_named(tmp_path, monkeypatch, attributes, told):
@@ -140,6 +149,21 @@ def test_lattices_and_units_that_differ_are_named(tmp_path):
         more.writestr("3D/o.model", inner.replace("millimeter", "inch"))
     with pytest.raises(InputError, match=r"'3d/o\.model' is in inch, the model that places it in millimeter"):
         meshes.read_mesh(path, "part")
+
+
+@pytest.mark.parametrize("resolution", ["", 's:meshresolution="lowres"', 's:meshresolution="fullres"'])
+def test_slices_beside_a_stand_in_are_refused(tmp_path, resolution):
+    """Official samples state no resolution, and their meshes are boxes around the slices."""
+    slices = f'xmlns:s="{MICROSOFT}slice/2015/07" s:slicestackid="1" {resolution}'
+    shapes = f'<object id="2" name="ball" {slices}>{mesh_xml(BOX)}</object><object id="3">{mesh_xml(POST)}</object>'
+    whole = archive(tmp_path, shapes, '<item objectid="2"/>')
+    if "fullres" in resolution:
+        assert weigh(whole, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    else:
+        with pytest.raises(InputError, match="object 2 'ball' is given by slices, its mesh may be a stand-in"):
+            meshes.read_mesh(whole, "part")
+    unused = archive(tmp_path, shapes, '<item objectid="3"/>')
+    assert weigh(unused, 1.24, 1.0).total.volume_mm3 == pytest.approx(48.0, rel=1e-6)
 
 
 def test_supports_are_not_weighed(tmp_path):
@@ -341,19 +365,69 @@ def test_an_unlikely_size_is_reported_when_a_mesh_is_weighed(tmp_path):
     path = tmp_path / "box.stl"
     path.write_bytes(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces).export(file_type="stl"))
     assert weigh(path, 1.24, 1000.0).notes == ()
-    assert (
-        weigh(path, 1.24, 1.0)
-        .notes[-1]
-        .startswith("The longest side is 0.028 mm. If the file has another unit, set ‹scale›")
+    assert weigh(path, 1.24, 1.0).notes == (
+        "The longest side is 0.028 mm. It would be 28 mm in metres (‹scale=›1000).",
     )
+    path.write_bytes(trimesh.Trimesh(BOX.vertices / 25.4, BOX.faces).export(file_type="stl"))
+    assert "It would be 28 mm in inches (‹scale=›25.4), or 11.02 mm in centimetres" in weigh(path, 1.24, 1.0).notes[-1]
+    assert weigh(path, 1.24, 25.4).notes == ()
+
+
+def boxes(*places, sizes=None):
+    sizes = sizes or [1.0] * len(places)
+    solids = [trimesh.creation.box((4.0 * size, 4.0 * size, 4.0 * size)) for size in sizes]
+    for solid, place in zip(solids, places, strict=True):
+        solid.apply_translation(place)
+    return solids
+
+
+@pytest.mark.parametrize(
+    ("solids", "volume", "note"),
+    [
+        (boxes((0, 0, 0), (9, 0, 0)), 128.0, "2 bodies"),
+        (boxes(*((9 * x, 9 * y, 0) for x in range(5) for y in range(4))), 20 * 64.0, "20 bodies"),
+        (boxes((0, 0, 0), (4, 4, 0)), 128.0, None),  # they share an edge, which four triangles have
+        (boxes((0, 0, 0), (4, 4, 4)), 128.0, "2 bodies"),  # they share a corner
+        (boxes((0, 0, 0), (2, 2, 2)), 128.0, "What overlaps counts twice."),
+    ],
+)
+def test_closed_meshes_of_several_bodies_are_weighed(tmp_path, solids, volume, note):
+    path = tmp_path / "several.stl"
+    path.write_bytes(trimesh.util.concatenate(solids).export(file_type="stl"))
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(volume, rel=1e-6)
+    assert any(note in each for each in weighed.notes) if note else weighed.notes == ()
+
+
+def test_cavities_count_for_the_body_around_them(tmp_path):
+    outer, cavity, inner, beside = boxes((0, 0, 0), (0, 0, 0), (0, 0, 0), (30, 0, 0), sizes=(3.0, 2.0, 1.0, 1.0))
+    cavity.invert()
+    path = tmp_path / "nested.stl"
+
+    def read(*solids):
+        path.write_bytes(trimesh.util.concatenate(solids).export(file_type="stl"))
+        return weigh(path, 1.24, 1.0)
+
+    assert read(outer, cavity).total.volume_mm3 == pytest.approx(64.0 * 19.0)
+    nested = read(beside, inner, cavity, outer)  # a ball in a rattle
+    assert nested.total.volume_mm3 == pytest.approx(64.0 * 21.0)
+    assert "3 bodies" in nested.notes
+    with pytest.raises(InputError, match="holds a body within another at"):
+        read(outer, inner)
+    beside.invert()
+    with pytest.raises(InputError, match="holds a second body, inside out, at"):
+        read(outer, beside)
+    open_box = trimesh.Trimesh(outer.vertices, outer.faces[1:], process=False)
+    with pytest.raises(InputError, match="is open: 3 edges"):
+        read(open_box, inner)
 
 
 def test_too_many_triangles_are_refused_before_reading(tmp_path, monkeypatch):
-    monkeypatch.setattr(meshes, "MAX_TRIANGLES", 11)
+    monkeypatch.setattr(polygons, "MAX_TRIANGLES", 11)
     for kind in ("stl", "stl_ascii", "obj", "ply", "off", "glb"):
         path = tmp_path / f"box.{kind.removesuffix('_ascii')}"
         written = BOX.export(file_type=kind)
         path.write_bytes(written if isinstance(written, bytes) else written.encode())
-        monkeypatch.setattr(meshes, "_read_parts", lambda *_: pytest.fail("was read"))
+        monkeypatch.setattr(meshes, "_clean_part", lambda *_: pytest.fail("was read"))
         with pytest.raises(InputError, match="12 triangles, at most 11"):
             meshes.read_mesh(path, "box")

@@ -1,5 +1,6 @@
 """Outlines of bodies: areas compared with closed forms, holes, orientation, refused drawings."""
 
+import gzip
 import itertools
 import math
 from functools import partial
@@ -200,6 +201,16 @@ def test_svg_shapes(tmp_path, body, expected, parts):
 def test_units_of_svg(tmp_path, page, scale, length):
     path = svg(tmp_path, '<rect width="20" height="10"/>', page)
     assert np.ptp(from_file(path, scale)[0][:, 0]) == pytest.approx(length, rel=1e-12)
+
+
+def test_svgz_is_unpacked(tmp_path):
+    drawing = svg(tmp_path, '<path d="M0 0h20v10h-20z"/>').read_bytes()
+    for data in (gzip.compress(drawing), drawing):  # some programs only name it so
+        (tmp_path / "shape.svgz").write_bytes(data)
+        assert area(from_file(tmp_path / "shape.svgz")[0]) == pytest.approx(200.0)
+    (tmp_path / "shape.svgz").write_bytes(gzip.compress(drawing)[:-40])
+    with pytest.raises(InputError):
+        from_file(tmp_path / "shape.svgz")
 
 
 def test_an_svg_is_upright_as_on_screen(tmp_path):

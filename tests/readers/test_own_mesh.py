@@ -103,10 +103,10 @@ def test_files_without_a_mesh_are_refused(tmp_path):
     for kind in ("stl", "obj", "ply", "off", "3mf", "glb"):
         line = refusal_of(file(f"garbage.{kind}", garbage))
         assert "no" in line
-    assert "contains points or lines" in refusal_of(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
+    assert "contains no triangles" in refusal_of(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
     assert "contains no triangles" in refusal_of(file("words.stl", b"solid nothing\nendsolid nothing\n"))
-    ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
-    assert "not a readable ply" in refusal_of(file("claims.ply", ply + b"end_header\n1234"))
+    ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nelement face 0\n"
+    assert "is no sound PLY file: it breaks off" in refusal_of(file("claims.ply", ply + b"end_header\n1234"))
     text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
     text += b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     line = refusal_of(file("index.ply", text + b"0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n"))
@@ -131,7 +131,8 @@ def test_each_fault_is_named_with_its_numbers(tmp_path):
     flat = Mesh(BOX.vertices * (1.0, 1e-12, 1.0), BOX.triangles)
     assert "encloses nothing" in refusal_of(save_mesh(flat)) or "no area" in refusal_of(save_mesh(flat))
     pointed = Mesh(BOX.vertices, np.vstack([BOX.triangles, [[0, 0, 1]]]))
-    assert "1 triangles have no area" in refusal_of(save_mesh(pointed))
+    assert body_mesh.read_body(save_mesh(pointed)).changes == ("left out 1 triangle without area",)
+    assert "1 triangles have no area" in _fault(pointed)
     torn = BOX.vertices.copy()
     torn[3, 1] = np.nan
     corners = torn[BOX.triangles]
@@ -270,7 +271,7 @@ def test_repair_reports_its_changes(tmp_path):
     assert volume == pytest.approx(mass.weigh(DUCK, 1.0).volume, rel=1e-6)
     doubled = Mesh(BOX.vertices, np.vstack([BOX.triangles, BOX.triangles[4:6], [[1, 1, 2]]]))
     told, volume = repair_mesh(doubled)
-    assert told.startswith("dropped 1 triangles without area and 2 doubled")
+    assert told.startswith("left out 1 triangle without area; dropped 2 doubled")
     crumb = hostile.box(1.0, 1.0, 1.0, middle=(0.0, 20.0, 0.0))
     told, volume = repair_mesh(hostile.together(BOX, crumb))
     assert told.startswith("dropped 1 body of 1 mm^3")

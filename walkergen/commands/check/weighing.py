@@ -45,16 +45,19 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
     """Compute the mass properties of every object of a mesh file, and of all objects together.
 
     `scale_mm`: length of the file's unit, mm. A 3MF file states its unit, which is multiplied by `scale_mm`. A 3MF
-    file may contain several objects, any other file is one object. Raises InputError for unreadable or invalid files.
+    file may contain several objects, any other file is one object. An object may have several bodies. Raises
+    InputError for unreadable files and open surfaces.
     """
     source = str(path)[-80:]
     loaded = meshes.read_mesh(path, source)
     several = path.suffix.lower() == ".3mf" and len(loaded.parts) > 1
     surfaces = loaded.parts if several else (meshes.join_parts(loaded.parts),)
-    solids = []
+    solids, bodies, notes = [], 0, [*loaded.notes]
     for surface in surfaces:
         mesh = Mesh(surface.vertices * scale_mm, surface.triangles)
-        faults.check_solid(mesh, f"{source}: {surface.name}" if several else source)
+        number, crossing = faults.check_closed(mesh, f"{source}: {surface.name}" if several else source)
+        bodies += number
+        notes += [f"{surface.name} {crossing}. What overlaps counts twice."] if crossing else []
         solids.append(mass.weigh(mesh, 1e-3 * density_g_cm3))
     counts = [len(surface.triangles) for surface in surfaces]
     parts = tuple(
@@ -62,18 +65,19 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
     side = max(float(np.ptp(surface.vertices, axis=0).max()) for surface in surfaces) * scale_mm
-    notes = (*loaded.notes, *_check_size(side))
-    return Weighing(parts, _mass_properties("total", sum(counts), mass.combine_solids(solids)), loaded.sha256, notes)
+    notes += ([f"{bodies} bodies"] if bodies > 1 else []) + _check_size(side, scale_mm)
+    total = _mass_properties("total", sum(counts), mass.combine_solids(solids))
+    return Weighing(parts, total, loaded.sha256, tuple(notes))
 
 
-def _check_size(side_mm: float) -> list[str]:
-    """Return a list with a note if the longest side (mm) is too long or too short for a walker, otherwise []."""
-    if size_check.MIN_LENGTH_MM < side_mm <= size_check.MAX_LENGTH_MM:
+def _check_size(side_mm: float, scale_mm: float) -> list[str]:
+    """Return a note with the units that a file may be in if the longest side (mm) is one that no walker has."""
+    if size_check.MAX_INCH_SIZE_MM <= side_mm <= size_check.MAX_LENGTH_MM:
         return []
-    return [
-        f"The longest side is {side_mm:.4g} mm. If the file has another unit, set ‹scale› to its length in mm, "
-        "such as 25.4 for inches."
+    units = [
+        f"{size:.4g} mm in {name} (‹scale=›{unit:g})" for name, size, unit in size_check.readings(side_mm, scale_mm)
     ]
+    return [f"The longest side is {side_mm:.4g} mm. It would be {', or '.join(units) or 'a walker in no common unit'}."]
 
 
 def principal_axes(tensor: Array) -> tuple[Array, Array]:

@@ -58,8 +58,8 @@ supports of all kinds are others, which no printer lays down."""
 UNPRINTED_SETTINGS = ("anti_overhang_mesh", "cutting_mesh", "infill_mesh", "support_mesh")
 """Settings of Cura that make an object change how others print; it is not printed itself."""
 
-HARMLESS_EXTENSIONS = ("/material/", "/production/", "/slice/", "/trianglesets/")
-"""Extensions, by parts of their addresses, that a file may require: they change no plain mesh."""
+KNOWN_EXTENSIONS = ("material/2015/02", "production/2015/06", "slice/2015/07", "trianglesets/2021/07")
+"""Ends of the addresses of extensions that a file may require: colours, paths, slices that are refused, and names."""
 
 SLICER_NOTE_FILES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
 """Files where slicers note the roles."""
@@ -68,15 +68,8 @@ Volumes = dict[int, list[tuple[int, int, Role]]]
 """Roles of triangles by the number of their object: the first and the last of each volume."""
 
 READ_ERRORS = (
-    zipfile.BadZipFile,
-    zlib.error,
-    EOFError,
-    OSError,
-    NotImplementedError,
-    RuntimeError,
-    ValueError,
-    expat.ExpatError,
-    KeyError,
+    *(zipfile.BadZipFile, zlib.error, expat.ExpatError, OSError),
+    *(EOFError, KeyError, NotImplementedError, RuntimeError, ValueError),
 )
 """Errors of reading: no archive, no XML, a missing attribute, or text instead of a number."""
 
@@ -148,6 +141,7 @@ class _Object(NamedTuple):
 
     name: str
     printed: bool
+    sliced: bool
     corners: "array[float]"
     triangles: "array[int]"
     components: list[_Placed]
@@ -222,8 +216,7 @@ class _Package:
         parser.StartDoctypeDeclHandler = refuse_document_type
         parser.StartNamespaceDeclHandler = self._prefixes.__setitem__
         parser.CharacterDataHandler = text
-        with archive.open(name) as stream:
-            parser.ParseFile(stream)
+        parser.ParseFile(archive.open(name))
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
         """Return functions that receive the elements of the model at `path`, and their text. `root`: the main model."""
@@ -276,7 +269,7 @@ class _Package:
             raise InputError(f"{path[:60]!r} is in {unit[:20]}, the model that places it in {self.unit[:20]}")
         for prefix in attributes.get("requiredextensions", "").split():
             space = self._prefixes.get(prefix, prefix)
-            if not any(extension in space for extension in HARMLESS_EXTENSIONS):
+            if not space.endswith(tuple(f"/3dmanufacturing/{name}" for name in KNOWN_EXTENSIONS)):
                 raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
     def _note_handler(self) -> Callable[[str, Attributes], None]:
@@ -322,8 +315,9 @@ class _Package:
         if place not in self._counts:
             counted = self.objects[place]
             inner = [self._count_meshes(part.object, depth + 1) for part in counted.components]
-            if not (inner or len(counted.triangles)):
-                raise InputError(f"object {place[1]} {counted.name[:40]!r} is no mesh; give triangles")
+            if counted.sliced or not (inner or len(counted.triangles)):
+                what = "is given by slices, its mesh may be a stand-in" if counted.sliced else "is no mesh"
+                raise InputError(f"object {place[1]} {counted.name[:40]!r} {what}; give triangles")
             parts = sum(parts for parts, _ in inner) or 1
             self._counts[place] = parts, sum(count for _, count in inner) + len(counted.triangles) // 3
         return self._counts[place]
@@ -364,7 +358,9 @@ class _Package:
 def _new_object(attributes: Attributes) -> _Object:
     """Return an empty object with the name and type in an element's attributes."""
     printed = attributes.get("type", "model") == "model"
-    return _Object(attributes.get("name", ""), printed, array("d"), array("q"), [])
+    extras = {name.rpartition(" ")[2]: value for name, value in attributes.items()}
+    sliced = "slicestackid" in extras and extras.get("meshresolution") != "fullres"  # a stand-in, in official samples
+    return _Object(attributes.get("name", ""), printed, sliced, array("d"), array("q"), [])
 
 
 def _parse_placement(attributes: Attributes, path: str) -> _Placed:

@@ -74,7 +74,7 @@ class Family(Section):
 
 
 OUTLINE_SUFFIXES, MESH_SUFFIXES = (
-    (".svg", ".dxf", ".png", ".jpg", ".jpeg"),
+    (".svg", ".svgz", ".dxf", ".png", ".jpg", ".jpeg"),
     (".stl", ".obj", ".ply", ".off", ".3mf", ".glb"),
 )
 """Endings of files that can replace a walker's file: they define the shape of its body."""

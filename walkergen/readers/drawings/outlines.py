@@ -36,6 +36,7 @@ MIN_WIDTH_RATIO = 1e-9
 
 READERS = {
     ".svg": svg.read_drawing,
+    ".svgz": svg.read_drawing,
     ".dxf": dxf.read_drawing,
     ".png": silhouette.read_drawing,
     ".jpg": silhouette.read_drawing,

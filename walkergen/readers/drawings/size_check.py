@@ -1,5 +1,6 @@
 """Units that a file may be drawn in: suggested for a body that does not have a walker's size."""
 
+from collections.abc import Iterator
 from functools import partial
 
 from walkergen.core.errors import InputError, Remedy
@@ -7,11 +8,24 @@ from walkergen.core.errors import InputError, Remedy
 MIN_LENGTH_MM, MAX_LENGTH_MM = 1.0, 500.0
 """Least and greatest length of the longest side of a body, mm, that is taken without asking back."""
 
+MAX_INCH_SIZE_MM = 3.0
+"""Length of the longest side of a mesh below which it may be in inches, mm."""
+
 UNITS_MM = {"inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 1e-3}
 """Millimetres of other units."""
 
 DEFAULT_LENGTH_MM = 28.0
 """Length of a drawing that states none, mm: that of the paper's walker."""
+
+
+def readings(size: float, scale_mm: float) -> Iterator[tuple[str, float, float]]:
+    """Yield other units of a file: name, length of the longest side and of the unit, mm, if a walker has that length.
+
+    `size`, mm, is the length of the longest side, with a unit of `scale_mm` mm.
+    """
+    for name, unit in UNITS_MM.items():
+        if MIN_LENGTH_MM <= size * unit <= MAX_LENGTH_MM:
+            yield name, size * unit, scale_mm * unit
 
 
 def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:
@@ -21,10 +35,9 @@ def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:
     """
     if MIN_LENGTH_MM < size <= MAX_LENGTH_MM:
         return
-    readings = [
-        Remedy(f"read it in {name}: {size * unit:.4g} mm", {"body.scale_mm": scale_mm * unit})
-        for name, unit in UNITS_MM.items()
-        if MIN_LENGTH_MM <= size * unit <= MAX_LENGTH_MM
+    units = [
+        Remedy(f"read it in {name}: {length:.4g} mm", {"body.scale_mm": unit})
+        for name, length, unit in readings(size, scale_mm)
     ]
     larger = Remedy(
         f"make it {DEFAULT_LENGTH_MM:g} mm long", {"body.length_mm": DEFAULT_LENGTH_MM, "body.scale_mm": None}
@@ -32,5 +45,5 @@ def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:
     raise InputError(
         f"{source}: the longest side is {size:.4g} mm at {scale_mm:g} mm for each unit of the file, must lie in "
         f"{MIN_LENGTH_MM:g}..{MAX_LENGTH_MM:g} mm",
-        helps=partial(tuple, [*readings, larger]),
+        helps=partial(tuple, [*units, larger]),
     )

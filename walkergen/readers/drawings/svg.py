@@ -8,6 +8,7 @@ Style sheets become attributes (`svg_styles`). One walk of the tree finds the vi
 import math
 import re
 import xml.etree.ElementTree as ET
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -80,6 +81,8 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, "SVG"):
+        if data.startswith(b"\x1f\x8b"):  # .svgz
+            data = zlib.decompressobj(wbits=31).decompress(data, MAX_BYTES)
         return _parse_drawing(data, scale_mm, source)
 
 

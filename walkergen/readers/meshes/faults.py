@@ -58,6 +58,18 @@ def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None
         raise InputError(f"{source}: {fault}")
 
 
+def check_closed(mesh: Mesh, source: str) -> tuple[int, str]:
+    """Return the number of bodies of a closed mesh, and the fault of triangles that cross each other, or "".
+
+    Bodies may touch along edges, and are then one. Raises InputError, which begins with `source`, for other meshes.
+    """
+    fault = _triangle_fault(mesh) or _edge_fault(mesh, several=True)
+    pieces = shells(mesh)
+    if fault := fault or _shell_fault(mesh, pieces, several=True):
+        raise InputError(f"{source}: {fault}")
+    return int((pieces.volumes > 0.0).sum()), _crossing_fault(mesh)
+
+
 def crossing_tolerance(mesh: Mesh) -> float:
     """Return the depth of a crossing that is ignored, mm."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
@@ -65,8 +77,11 @@ def crossing_tolerance(mesh: Mesh) -> float:
     return RELATIVE_TOLERANCE * size
 
 
-def faulty_edges(triangles: Whole) -> Edges:
-    """Find the faulty edges of triangles, shape (k, 3), and sort them by the kind of their fault."""
+def faulty_edges(triangles: Whole, several: bool = False) -> Edges:
+    """Find the faulty edges of triangles, shape (k, 3), and sort them by the kind of their fault.
+
+    If bodies may be `several`, edges where two of them touch are no fault.
+    """
     starts, ends = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     size = np.int64(triangles.max()) + 1
     keys = _edge_keys(starts, ends, size)
@@ -74,7 +89,8 @@ def faulty_edges(triangles: Whole) -> Edges:
     keys, forward = keys[order], np.where(starts < ends, 1, -1)[order]
     first = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
     times, turns = np.diff(np.r_[first, len(keys)]), np.add.reduceat(forward, first)
-    wrong = (keys[first[rows]] for rows in (times == 1, times > 2, (times == 2) & (turns != 0)))
+    crowded = (times > 2) & ((turns != 0) | (not several))
+    wrong = (keys[first[rows]] for rows in (times == 1, crowded, (times == 2) & (turns != 0)))
     return Edges(*(np.column_stack([pairs // size, pairs % size]) for pairs in wrong))
 
 
@@ -122,9 +138,9 @@ def _triangle_fault(mesh: Mesh) -> str:
     return ""
 
 
-def _edge_fault(mesh: Mesh) -> str:
+def _edge_fault(mesh: Mesh, several: bool = False) -> str:
     """Describe open, crowded or disagreeing edges. Return "" if there are none."""
-    wrong = faulty_edges(mesh.triangles)
+    wrong = faulty_edges(mesh.triangles, several)
     for pairs, words in (
         (wrong.open, "is open: {} edges belong to one triangle only"),
         (wrong.crowded, "is not a solid's surface: {} edges belong to three triangles or more"),
@@ -136,8 +152,8 @@ def _edge_fault(mesh: Mesh) -> str:
     return ""
 
 
-def _shell_fault(mesh: Mesh, shells: Shells) -> str:
-    """Describe a surface that encloses nothing, is inside out or has several bodies. Return "" without such faults."""
+def _shell_fault(mesh: Mesh, shells: Shells, several: bool = False) -> str:
+    """Describe a surface that encloses nothing, is inside out, or has more bodies than allowed. Return "" if sound."""
     size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
     volume = float(shells.volumes.sum())
     if abs(volume) <= MIN_VOLUME_RATIO * size**3:
@@ -145,16 +161,26 @@ def _shell_fault(mesh: Mesh, shells: Shells) -> str:
     outward = np.flatnonzero(shells.volumes > 0.0)
     if len(outward) == 0:
         return f"is inside out: its volume is {volume:.4g} mm^3"
-    if len(outward) > 1:
+    if len(outward) > 1 and not several:
         sizes = np.sort(shells.volumes[outward])[::-1]
         listed = ", ".join(f"{size:.4g}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
         return f"holds {len(outward)} bodies of {listed} mm^3; give one"
-    outer = Mesh(mesh.vertices, mesh.triangles[shells.label == outward[0]])
-    for cavity in np.flatnonzero(shells.volumes <= 0.0):
-        inner = mesh.triangles[shells.label == cavity]
-        if abs(winding_number(outer, mesh.vertices[inner[0, 0]]) - 1.0) > 0.5:
-            where = format_place(mesh.vertices[inner[0]])
-            return f"holds a second body, inside out, at {where}; remove it or turn it"
+    return _nesting_fault(mesh, shells) if shells.number > 1 else ""
+
+
+def _nesting_fault(mesh: Mesh, shells: Shells) -> str:
+    """Describe a cavity outside of a body, or a body within another. Return "" if there are none."""
+    order = np.argsort(shells.label, kind="stable")
+    pieces = np.split(mesh.triangles[order], np.cumsum(np.bincount(shells.label))[:-1])
+    corners = [mesh.vertices[piece] for piece in pieces]
+    low, high = np.array([c.min(axis=(0, 1)) for c in corners]), np.array([c.max(axis=(0, 1)) for c in corners])
+    for number, is_cavity in enumerate(shells.volumes <= 0.0):
+        point = corners[number][0, 0]
+        near = set(np.flatnonzero(((low <= point) & (point <= high)).all(axis=1)).tolist()) - {number}
+        turns = sum(winding_number(Mesh(mesh.vertices, pieces[other]), point) for other in near)
+        if abs(turns - is_cavity) > 0.5:  # around a body lies nothing or a cavity, around a cavity its body
+            what = "a second body, inside out," if is_cavity else "a body within another"
+            return f"holds {what} at {format_place(corners[number][0])}; remove it or turn it"
     return ""
 
 

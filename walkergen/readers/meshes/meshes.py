@@ -1,7 +1,7 @@
 """Reading of mesh files of any kind: STL, OBJ, PLY, OFF, 3MF, GLB; bodies as placed in the file.
 
-Binary STL is read here, 3MF by lib3mf, everything else by trimesh, from the bytes alone: no other
-file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
+Binary STL and 3MF are read by `core.shapes`, GLB by trimesh, polygons of other files by `formats`, from the bytes
+alone: no other file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
 or, on open edges, within WELD_TOLERANCE. What slicers note as cut away is cut away, and unprinted parts
 are left out. All of that is noted.
 """
@@ -9,7 +9,6 @@ are left out. All of that is noted.
 import codecs
 import hashlib
 import io
-import re
 import zipfile
 from collections import Counter
 from pathlib import Path
@@ -23,13 +22,22 @@ from walkergen.core.files import formatting as words
 from walkergen.core.numerics import Array, Whole
 from walkergen.core.shapes import modeller, stl, threemf
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.shapes.threemf import MAX_TRIANGLES, Part
-from walkergen.readers.meshes import faults, glb, obj, repairs
+from walkergen.core.shapes.threemf import Part
+from walkergen.readers.meshes import faults, formats, glb, polygons, repairs
 
-FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
+READERS = {"stl": formats.read_stl, "obj": formats.read_obj, "ply": formats.read_ply, "off": formats.read_off}
+"""Functions that read polygons. STL is text here."""
+
+FORMATS = (*READERS, "3mf", "glb")
+
+GLB_UNIT_MM = 1000.0
+"""Length of a GLB file's unit, mm: metres, by its standard."""
 
 MAX_BYTES = 2**30
 """Largest file, and largest content of a compressed one."""
+
+TEXT_BYTES = 2000
+"""Length of the beginning of an STL file that shows whether it is text: more than its name and a comment."""
 
 MAX_COORDINATE = 1e12
 """Largest coordinate, in the file's unit."""
@@ -37,6 +45,10 @@ MAX_COORDINATE = 1e12
 WELD_TOLERANCE = 1e-6
 """Maximum distance between corners on open edges that are one, over the size of a part: some last bits of
 the 32-bit floats of STL and 3MF."""
+
+
+MIN_AREA_SHARE = 1e-12
+"""Area of a triangle, over the square of a part's size, below which it has none."""
 
 
 class MeshFile(NamedTuple):
@@ -56,13 +68,14 @@ def read_mesh(path: Path, source: str) -> MeshFile:
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
     data = file_reading.read_bytes(path, MAX_BYTES)
-    if (count := _estimate_triangles(data, kind)) > MAX_TRIANGLES:
-        raise _too_many_error(count, source)
     with file_reading.translate_library_errors(source, kind.upper()):
         raw, notes = _read_parts(data, kind, source)
         welded = [_weld_edges(_clean_part(source, part)) for part in raw]
-    parts = _printable_parts([part for part, _ in welded], source)
-    notes += _omission_notes([part for part, _ in welded])
+    whole = [_drop_flat_triangles(part) for part, _ in welded]
+    parts = _printable_parts(whole, source)
+    notes += _omission_notes(whole)
+    if flat := sum(len(part.triangles) for part, _ in welded) - sum(len(part.triangles) for part in whole):
+        notes.append(f"left out {words.format_count(flat, 'triangle', 'triangles')} without area")
     if merged_corners := sum(count for _, count in welded):
         notes.append(
             f"merged {words.format_count(merged_corners, 'corner that differs', 'corners that differ')} by "
@@ -71,33 +84,8 @@ def read_mesh(path: Path, source: str) -> MeshFile:
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
         raise InputError(f"{source}: it contains no triangles. Export the body as a mesh.")
-    if count > MAX_TRIANGLES:
-        raise _too_many_error(count, source)
+    polygons.check_count(count, source)
     return MeshFile(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
-
-
-def _too_many_error(count: int, source: str) -> InputError:
-    return InputError(
-        f"{source}: {count} triangles, at most {MAX_TRIANGLES}. Simplify the mesh: 100000 are enough for any print."
-    )
-
-
-def _estimate_triangles(data: bytes, kind: str) -> int:
-    """Estimate the number of triangles of a file from its bytes, or return 0 if only a full reader can count them."""
-    if kind == "stl":
-        text = not _is_binary_stl(data) and max(data.count(word) for word in (b"endfacet", b"ENDFACET"))
-        return text or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
-    if kind == "obj":
-        return data.count(b"\nf ") + data.count(b"\nf\t")
-    if kind == "ply":
-        header = re.search(rb"element\s+face\s+(\d{1,12})", data[: data.find(b"end_header")][:100_000])
-        return int(header[1]) if header else 0
-    if kind == "off":
-        words = re.sub(rb"#[^\n]*", b"", data[:100_000]).split(maxsplit=4)[:3]
-        return int(words[2]) if len(words) == 3 and words[2].isdigit() and len(words[2]) < 13 else 0
-    if kind == "glb":
-        return glb.triangle_count(data)
-    return 0
 
 
 def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
@@ -107,18 +95,22 @@ def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[s
         return threemf.read_parts(data, source), []
     if kind == "glb":
         glb.check(data, source)
-    else:
-        data = data.removeprefix(codecs.BOM_UTF8)
+        polygons.check_count(glb.triangle_count(data), source)
+        return [part._replace(vertices=GLB_UNIT_MM * part.vertices) for part in _read_with_trimesh(data, source)], []
     if kind == "stl" and _is_binary_stl(data):
+        polygons.check_count((len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize, source)
         corners, note = stl.unpack(data, source)
         vertices = corners.astype(np.float64).reshape(-1, 3)
         return [Part("mesh", vertices, np.arange(len(vertices)).reshape(-1, 3))], [note] if note else []
-    if kind == "stl":
-        data = data.lower()  # words of the format may be written either way
-    parts = _read_with_trimesh(obj.triangulate_faces(data, source) if kind == "obj" else data, kind, source)
-    if kind == "glb":  # metres, by its standard
-        return [part._replace(vertices=1000.0 * part.vertices) for part in parts], []
-    return parts, []
+    surface = READERS[kind](data if kind == "ply" else _unify_text(data), source)
+    return [Part("mesh", surface.vertices, polygons.triangulate(surface, source))], []
+
+
+def _unify_text(data: bytes) -> bytes:
+    """Return text as single bytes a letter, without byte order mark, with line ends as on Unix."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data = data.decode("utf-16", "replace").encode("latin-1", "replace")
+    return data.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
 def _printable_parts(parts: list[Part], source: str) -> list[Part]:
@@ -159,6 +151,17 @@ def _weld_edges(part: Part) -> tuple[Part, int]:
     return part._replace(triangles=closer.triangles), count
 
 
+def _drop_flat_triangles(part: Part) -> Part:
+    """Leave out triangles that join two corners only, and those without area if the rest is closed without them."""
+    triangles = part.triangles[(part.triangles != np.roll(part.triangles, 1, axis=1)).all(axis=1)]
+    if len(triangles) and any(map(len, faults.faulty_edges(triangles))):
+        first, second, third = part.vertices[triangles].transpose(1, 0, 2)
+        areas = np.linalg.norm(np.cross(second - first, third - first), axis=1)
+        rest = triangles[areas > MIN_AREA_SHARE * float(np.ptp(part.vertices, axis=0).max()) ** 2]
+        triangles = rest if len(rest) and not any(map(len, faults.faulty_edges(rest))) else triangles
+    return part._replace(triangles=triangles)
+
+
 def join_parts(parts: tuple[Part, ...]) -> Part:
     """Join all parts to one surface. Vertices that coincide to the last bit become one."""
     if len(parts) == 1:
@@ -186,8 +189,8 @@ def _is_binary_stl(data: bytes) -> bool:
     start = stl.HEADER_BYTES + stl.COUNT_BYTES
     count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
     fits = len(data) == start + count * stl.TRIANGLE.itemsize
-    words = data[:2000].lstrip().lower()
-    return fits or b"\0" in words or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
+    text = _unify_text(data[: 2 * TEXT_BYTES]).lower()[:TEXT_BYTES]
+    return fits or b"\0" in text or not (b"facet" in text or text.lstrip().startswith(b"solid"))
 
 
 def _clean_part(source: str, part: Part) -> Part:
@@ -204,16 +207,13 @@ def _clean_part(source: str, part: Part) -> Part:
     return part._replace(vertices=vertices, triangles=triangles)
 
 
-def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
-    """Return all objects of a file as parts, with vertices in their places."""
+def _read_with_trimesh(data: bytes, source: str) -> list[Part]:
+    """Return all objects of a GLB file as parts, with vertices in their places."""
     import trimesh
 
-    try:
-        with np.errstate(all="ignore"):
-            scene: Any = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
-            placed = [(name, *scene.graph[name]) for name in scene.graph.nodes_geometry]
-    except Exception as error:  # trimesh raises anything: every kind means that it cannot be read
-        raise InputError(f"{source}: not a readable {kind} mesh: {file_reading.describe_error(error)}") from None
+    with np.errstate(all="ignore"):
+        scene: Any = trimesh.load_scene(io.BytesIO(data), file_type="glb", process=False)
+        placed = [(name, *scene.graph[name]) for name in scene.graph.nodes_geometry]
     parts = []
     for name, matrix, geometry in placed:
         mesh = scene.geometry[geometry]

@@ -42,9 +42,6 @@ LEG_LENGTH_FACTORS = (0.75, 0.5)
 
 INCH_MM = size_check.UNITS_MM["inches"]
 
-MAX_INCH_SIZE_MM = 3.0
-"""Length of the longest side of a mesh below which it may be in inches, mm."""
-
 FAMILY_MAX_TILT_DEG = 20.0
 """Tilt of the steepest legs of a family by default, deg."""
 
@@ -193,7 +190,7 @@ def _other_orientations(body: Body) -> list[dict[str, Any]]:
 def _is_tiny(body: Body) -> bool:
     """Return whether a mesh states no unit and is so small that it may be in inches."""
     has_no_unit = body.mesh is not None and body.scale_mm is None and body.given_length_mm is None
-    return has_no_unit and body.legs_below_mm is None and max(shape_of(body).size) < MAX_INCH_SIZE_MM
+    return has_no_unit and body.legs_below_mm is None and max(shape_of(body).size) < size_check.MAX_INCH_SIZE_MM
 
 
 def _can_stand(body: Body, legs: Legs) -> bool:
