@@ -129,3 +129,20 @@ def test_effects_are_forced_by_their_names(keys, told):
     assert [off.effects.forced_state(name) for name in ("leg_twist", "air_drag")] == [False, None]
     assert off.effects.force("leg_twist", True).forced_state("leg_twist")
     assert off.effects.force("leg_twist", None).off == ["plate_noise"]
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("acceleration_g", "gamma: write the same value."),
+        ("acceleration_rms_g", "gamma: write 1.414 times"),
+        ("accel_m_s2", "gamma: write 0.102 times"),
+        ("peak_to_peak_um", "amplitude_um: write 0.5 times"),
+        ("displacement_mm", "amplitude_um: write 1000 times"),
+        ("velocity_rms_mm_s", "peak_speed_mm_s: write 1.414 times"),
+        ("acceleration_db", "10^(dB / 20)"),
+        ("gama", "did you mean drive.gamma"),
+    ],
+)
+def test_a_vibration_under_another_name_is_converted(key, words):
+    assert words in config.describe_unknown_key(("drive", key), Scene)

@@ -11,7 +11,7 @@ import numpy as np
 from walkergen.analysis import track_columns
 from walkergen.analysis.track_columns import PIXEL, NamedColumn, Source
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, file_reading, safe_text
+from walkergen.core.files import columns, safe_text
 from walkergen.core.files.columns import Columns
 from walkergen.core.numerics import Array
 
@@ -50,7 +50,7 @@ def read_deeplabcut(path: Path) -> Source:
 
     A row is a frame, or a picture whose name contains the frame.
     """
-    top = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 5)
+    top = islice(track_columns.read_text(path), 5)
     head = [columns.split_cells(line, str(path), at) for at, line in enumerate(top, 1)]
     titles = ("scorer", "individuals", "bodyparts", "coords")
     rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
@@ -65,7 +65,7 @@ def read_deeplabcut(path: Path) -> Source:
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
     below = ["\n"] * (len(rows) - 1)  # its other lines of names
-    body: Iterator[str] = islice(file_reading.read_lines(path, columns.FORMAT_NAME), len(rows), None)
+    body: Iterator[str] = islice(track_columns.read_text(path), len(rows), None)
     pictures = len(head) > len(rows) and bool(PICTURE_PATTERN.match(",".join(head[len(rows)][:first]) + ","))
     if pictures:
         body = (PICTURE_PATTERN.sub("," * (first - 1) + r"\1,", line, count=1) for line in body)
@@ -109,14 +109,10 @@ def read_sleap(path: Path, names: list[str]) -> Source:
     parts = [part for part in part_names if f"{part}.y" in names]
     if not parts:
         raise InputError(f"{path}: no part has both columns .x and .y")
-    labels = (
-        columns.distinct_texts(file_reading.read_lines(path, columns.FORMAT_NAME), str(path), "track")
-        if "track" in names
-        else []
-    )
+    labels = columns.distinct_texts(track_columns.read_text(path), str(path), "track") if "track" in names else []
     wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
     words = {"track": labels} if labels else {}
-    table = columns.read_numbers(path, ["frame_idx"], wanted, words, file_reading.read_lines(path, columns.FORMAT_NAME))
+    table = columns.read_numbers(path, ["frame_idx"], wanted, words, track_columns.read_text(path))
     parts_by_name = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
     (x, y, *theta), note = _body_pose(parts_by_name)
     values = {"frame": table.values["frame_idx"], "x": x, "y": y}

@@ -2,14 +2,16 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import date
+from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import safe_text
+from walkergen.core.files import columns, file_reading, safe_text
 from walkergen.core.files.columns import Columns
 from walkergen.core.numerics import Array
 
@@ -117,6 +119,12 @@ SCALE_COLUMNS = ("mm_per_px", "mm_per_px_se")
 """Columns of a film's scale and its standard error, the same in all rows of a film."""
 
 
+CLOCK_PATTERN = re.compile(
+    r"(?<![^,;\t\" ])(?:(\d{4}-\d\d-\d\d)[T ])?(?:(\d+):)?(\d{1,2}):(\d{1,2}(?:\.\d+)?)Z?(?=[,;\t\"\s]|$)"
+)
+"""Time of day in a cell, such as 00:00:01.040, with or without a date or hours."""
+
+
 class NamedColumn(NamedTuple):
     """Column of a file."""
 
@@ -141,6 +149,26 @@ class Source(NamedTuple):
     """True if it counts headings counterclockwise, as people see them, though y goes down."""
     notes: tuple[str, ...] = ()
     """Notes on how the file was read, as text."""
+
+
+def read_text(path: Path) -> Iterator[str]:
+    """Yield the lines of a table. Units such as µm may be in code page 1252."""
+    return file_reading.read_lines(path, columns.FORMAT_NAME, errors=file_reading.CODE_PAGE)
+
+
+def has_clock_time(line: str) -> bool:
+    """Return whether a line has a time of day in a cell."""
+    return bool(CLOCK_PATTERN.search(line))
+
+
+def clock_to_seconds(line: str) -> str:
+    """Replace times of day in a line by seconds."""
+    return CLOCK_PATTERN.sub(_to_seconds, line) if ":" in line else line
+
+
+def _to_seconds(clock: re.Match[str]) -> str:
+    days = date.fromisoformat(clock[1]).toordinal() if clock[1] else 0
+    return f"{((24 * days + int(clock[2] or 0)) * 60 + int(clock[3])) * 60 + float(clock[4]):.9f}"
 
 
 def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:

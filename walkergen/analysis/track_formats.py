@@ -17,7 +17,7 @@ import numpy as np
 from walkergen.analysis import pose_tables, track_arrays, track_columns, track_xml, tracker_tables
 from walkergen.analysis.track_columns import SCALE_COLUMNS, WALKERGEN_PROGRAM, NamedColumn, Source
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, file_reading, safe_text
+from walkergen.core.files import columns, safe_text
 from walkergen.core.files import formatting as words
 from walkergen.core.numerics import Array
 
@@ -50,16 +50,20 @@ def read_source(path: Path, lane: bool) -> Source:
         return tracker_tables.read_tracker(path, above)
     titled = len(head) > 1 and not track_columns.find_separator(head[0]) and bool(track_columns.find_separator(head[1]))
     names, _ = columns.first_two_rows(_table_lines(path, titled), str(path))
+    clocked = any(map(track_columns.has_clock_time, head[1:]))
     if "frame_idx" in names:
         pose_tables.check_table_kind(path, names)
         if any(name.endswith(".x") for name in names):
             return pose_tables.read_sleap(path, names)
-    return _from_columns(path, names, lane, titled)
+    source = _from_columns(path, names, lane, titled)
+    if not clocked or "time" not in source.named:
+        return source
+    return source._replace(named={**source.named, "time": source.named["time"]._replace(unit="s")})
 
 
 def _text_lines(path: Path) -> Iterator[str]:
     """Return the lines of a table, whether its columns are text or arrays."""
-    return track_arrays.npz_lines(path) or file_reading.read_lines(path, columns.FORMAT_NAME)
+    return track_arrays.npz_lines(path) or track_columns.read_text(path)
 
 
 def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
@@ -67,7 +71,7 @@ def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
 
     A title and the `skip` lines below the header become blank lines, so that lines keep their numbers.
     """
-    stream = _text_lines(path)
+    stream = map(track_columns.clock_to_seconds, _text_lines(path))
     if titled:
         next(stream)
     header = next(stream, "")
@@ -206,7 +210,7 @@ def _read_units_below(
     path: Path, names: list[str], by_kind: dict[str, NamedColumn]
 ) -> tuple[int, dict[str, NamedColumn]]:
     """Return the number of TrackMate's lines between header and rows, and its columns with the units stated there."""
-    lines = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
+    lines = islice(track_columns.read_text(path), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
     index = names.index("POSITION_X")
     count = next((at for at, row in enumerate(rows) if index < len(row) and _is_number(row[index])), len(rows))

@@ -21,7 +21,7 @@ def read_mtrackj(path: Path) -> Source:
     """Read MTrackJ's own file: lines Track ID, and Point ID x y z t channel below each."""
     rows: list[tuple[float, ...]] = []
     lines, bad, track = [], {}, -1.0
-    for at, line in enumerate(file_reading.read_lines(path, columns.FORMAT_NAME), 1):
+    for at, line in enumerate(track_columns.read_text(path), 1):
         first_word, *cells = line.split() or [""]
         if first_word == "Track":
             track += 1.0

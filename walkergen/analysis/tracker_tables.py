@@ -11,7 +11,7 @@ from pathlib import Path
 from walkergen.analysis import track_columns
 from walkergen.analysis.track_columns import NamedColumn, Source
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, file_reading
+from walkergen.core.files import columns
 
 MULTI_TRACK_HEADER, TIME_COLUMN = "#multi:", "t"
 """First line of a file of several tracks, and the first column of every table."""
@@ -34,7 +34,7 @@ def _split_cells(line: str, separator: str) -> list[str]:
 
 def read_tracker(path: Path, count: int) -> Source:
     """Read Tracker's table, with `count` lines above the names of its columns. Raises InputError."""
-    head = list(islice(file_reading.read_lines(path, columns.FORMAT_NAME), count + 1))
+    head = list(islice(track_columns.read_text(path), count + 1))
     mark = track_columns.find_separator(head[count])
     names = _split_cells(head[count], mark)
     wide = {axis: [at for at, name in enumerate(names) if name == axis] for axis in ("x", "y")}
@@ -67,7 +67,7 @@ def _csv_lines(
 ) -> Iterator[str]:
     """Yield a CSV file's lines: new names, then the columns at these indices, below line `header_index` (from 0)."""
     yield ",".join(names) + "\n"
-    stream = file_reading.read_lines(path, columns.FORMAT_NAME)
+    stream = track_columns.read_text(path)
     for at, line in enumerate(chain(["\n"] * header_index, islice(stream, header_index + 1, None)), 2):
         if separator != "," and "," in line:
             raise InputError(f"{path}:{at}: {line.strip()[:40]!r} has a decimal comma. Write a decimal point, as 0.04.")

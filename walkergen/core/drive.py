@@ -6,6 +6,7 @@ its frequency and the eccentric moment of its rotor; the plate is still (docs/ph
 """
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -39,6 +40,19 @@ PLATE_KEYS = (*VIBRATION_KEYS[1:], "second_harmonic_ratio", "second_harmonic_pha
 MOTOR_KEYS = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
 """Keys that only one kind of drive has."""
 
+FOREIGN_QUANTITIES = (
+    ("gamma", "peak acceleration in g", r"acc", {"g": 1.0, "m_s2": 1e3 / GRAVITY, "mm_s2": 1 / GRAVITY}),
+    ("peak_speed_mm_s", "peak speed", r"vel|speed", {"mm_s": 1.0, "cm_s": 10.0, "m_s": 1e3, "um_s": 1e-3}),
+    ("amplitude_um", "amplitude", r"ampl|disp|stroke|peak_?(to|2)|p2?p", {"um": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}),
+)
+"""Keys of a plate's vibration, what each is, the words for it in other programs, and its value for a unit of theirs."""
+
+FOREIGN_SHARES = {
+    r"rms|eff": (math.sqrt(2.0), ", because the root mean square of a sine is 0.707 of its peak"),
+    r"peak_?(to|2)?_?peak|pk_?pk|(^|_)p2?p(_|$)": (0.5, ", because peak to peak is twice that"),
+}
+"""Words for a part or a multiple of a peak, the peak over it, and the reason."""
+
 
 def _parse_axis(value: Any) -> Any:
     """Return the axis of a rotor, by name or components. Raises ValueError for anything else."""
@@ -61,6 +75,23 @@ class Drive(Section):
     removed_keys: ClassVar[Mapping[str, str]] = {
         "reversed": "Leave it out for false. For true, give the components of axis: [0, 1, 0] is across."
     }
+
+    @classmethod
+    def translate_key(cls, key: str) -> str:
+        """Return how to write a vibration that other programs state as `key`; "" if unknown."""
+        words = key.lower()
+        if re.search(r"(^|_)dbu?(_|$)|decibel", words):
+            return "A level in dB needs its reference: write gamma = 10^(dB / 20) times the reference's peak in g."
+        for name, meaning, pattern, units in FOREIGN_QUANTITIES:
+            if not re.search(pattern, words):
+                continue
+            unit = next((unit for unit in sorted(units, key=len)[::-1] if re.search(rf"_{unit}(_|$)", words)), "")
+            share, reason = next((rule for part, rule in FOREIGN_SHARES.items() if re.search(part, words)), (1.0, ""))
+            factor = share * units.get(unit, 1.0)
+            value = "the same value" if factor == 1.0 else f"{factor:.4g} times that value"
+            source = "" if unit else f", in {next(iter(units))}"
+            return f"The key for the {meaning} is {name}: write {value}{source}{reason}."
+        return ""
 
     kind: Literal["plate", "motor"] = "plate"
     """Source of the motion: a shaken plate, or a motor in each walker on a still plate."""

@@ -67,6 +67,11 @@ class Section(BaseModel):
     removed_keys: ClassVar[Mapping[str, str]] = {}
     """Keys that earlier versions had, and what to do without each."""
 
+    @classmethod
+    def translate_key(cls, key: str) -> str:
+        """Return how to write a quantity that other programs call `key`; "" if unknown. Subclasses may override it."""
+        return ""
+
     @field_validator("*", mode="before")
     @classmethod
     def _normalize_numbers(cls, value: Any) -> Any:
@@ -340,6 +345,8 @@ def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix:
     table = _model_at(location[:-1], model)
     if table and location[-1] in table.removed_keys:
         return f"this key was removed. {table.removed_keys[location[-1]]}"
+    if table and (translation := table.translate_key(location[-1])):
+        return f"unknown key. {translation}"
     keys = key_paths(model)
     beside = [(*location[:-1], name) for name in table.model_fields] if table else keys
     close = difflib.get_close_matches(location[-1], [path[-1] for path in beside], n=1, cutoff=0.6)

@@ -4,6 +4,7 @@ Only regular files of up to a stated size are read. A pipe could wait for ever, 
 a table may be a disk image. Messages name the required format, such as "a CSV file".
 """
 
+import codecs
 import io
 import json
 import logging
@@ -35,6 +36,13 @@ OPEN_FLAGS = (
 
 CONTROL_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Letters that steer a terminal or turn the direction of writing, and halves of letters."""
+
+CODE_PAGE = "walkergen-code-page-1252"
+"""Handler of bytes that are not UTF-8, for `read_lines`."""
+
+codecs.register_error(
+    CODE_PAGE, lambda error: (error.object[error.start : error.end].decode("cp1252", "replace"), error.end)
+)
 
 
 def read_start(path: Path, count: int, format: str) -> bytes:
@@ -106,16 +114,19 @@ def describe_error(error: Exception) -> str:
     return "its parts do not fit together, or it breaks off" if is_internal or not text else text
 
 
-def read_lines(path: Path, format: str, most_bytes: int = MAX_BYTES, newline: str | None = None) -> Iterator[str]:
+def read_lines(
+    path: Path, format: str, most_bytes: int = MAX_BYTES, newline: str | None = None, errors: str = "strict"
+) -> Iterator[str]:
     r"""Yield the lines of a UTF-8 file, each with its "\n", reading the file as needed.
 
     Every line end is "\n", unless `newline` is "", and a byte order mark is left out. Raises
     InputError, at the first or a later line, if the file cannot be read, is not UTF-8, exceeds
-    `most_bytes` or has a line longer than MAX_LINE_LENGTH.
+    `most_bytes` or has a line longer than MAX_LINE_LENGTH. With `errors` CODE_PAGE, bytes that are not UTF-8 are
+    letters of code page 1252, as older spreadsheets write them.
     """
     with (
         _open_regular_file(path, format, most_bytes) as stream,
-        io.TextIOWrapper(stream, encoding="utf-8-sig", newline=newline) as text,
+        io.TextIOWrapper(stream, encoding="utf-8-sig", errors=errors, newline=newline) as text,
     ):
         read = 0
         while line := text.readline(MAX_LINE_LENGTH + 1):
