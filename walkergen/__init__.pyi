@@ -575,7 +575,7 @@ def accuracy(
     <table: 5 rows of error, setting, runs, seconds, expected_s, known, why, accepted>
     """
 
-def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:
+def selftest(only: str | None = None, *, all: bool = False, progress: Progress | None = None) -> Report:
     """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails.
 
     Notes

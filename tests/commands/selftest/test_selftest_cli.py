@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.commands.selftest import catalogue
+from walkergen.commands.selftest import catalogue, report
 from walkergen.commands.selftest import make as selftest
 from walkergen.commands.selftest.case import Case, Check
 
@@ -33,10 +33,9 @@ def only(monkeypatch, check):
 def test_a_section_runs_its_cases_in_processes_of_their_own():
     result = call("--only", "6.3")
     assert result.exit_code == 0, result.output
-    assert "nearly singular tensor" in result.stdout
-    lines = result.stdout.strip().splitlines()
-    assert lines[-1].startswith("4 hard cases, ")
-    assert lines[-1].endswith("4 hold, 0 fail")
+    first, subject, _ = result.stdout.strip().splitlines()
+    assert first.startswith("4 cases pass on this machine (")
+    assert subject.startswith("impact law: 4 cases pass, closest to its limit: ")
 
 
 def test_json_holds_every_check_with_its_reason():
@@ -49,6 +48,28 @@ def test_json_holds_every_check_with_its_reason():
     assert all(check["holds"] and check["reason"] for check in row["checks"])
 
 
+def test_a_pass_fits_a_screen_and_all_prints_each_case(monkeypatch):
+    checks = [Check("a long name of a check that a user reads", 0.5, 1.0, "because"), Check("b", 0.0, 1.0, "exact")]
+    cases = [
+        Case(f"{on}: case {n} of many", "6.0", "nowhere", on, lambda: iter(checks))
+        for on in report.DISTRUSTED
+        for n in range(20)
+    ]
+    monkeypatch.setattr(catalogue, "CASES", tuple(cases))
+    monkeypatch.setattr(selftest.measure, "core_count", lambda: 1)
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = call().stdout.strip().splitlines()
+    assert lines[0] == "60 cases pass on this machine (120 checks)"
+    assert len(lines) <= 25
+    whole = call("--all").stdout
+    assert whole.count(" of many ") >= 60
+    assert max(map(len, whole.splitlines())) <= 80
+
+
+def test_every_subject_says_what_its_failure_means():
+    assert {case.on for case in catalogue.CASES} == set(report.DISTRUSTED)
+
+
 def test_quiet_prints_nothing():
     result = call("--only", "jamming: one impact", "--quiet")
     assert (result.exit_code, result.output) == (0, "")
@@ -59,8 +80,12 @@ def test_a_check_beyond_its_limit_fails_the_command(monkeypatch, value):
     only(monkeypatch, lambda: iter([Check("a thing", value, 1.0, "because")]))
     result = call()
     assert result.exit_code == 1
-    assert "FAILED" in result.stdout
-    assert "0 hold, 1 fail" in result.stdout
+    first, failed, check, distrusted, send = result.stdout.strip().splitlines()
+    assert first == "1 of 1 case FAILED on this machine (1 check)"
+    assert failed == "FAILED 6.0, made up (source of the right value: nowhere)"
+    assert check.strip() == f"a thing: {value:.3g}, limit 1 (because)"
+    assert distrusted.startswith("do not trust: speeds from the theory")
+    assert "selftest --json" in send
     assert json.loads(call("--json").stdout)["failed"] == 1
 
 
@@ -88,7 +113,7 @@ def test_a_case_that_checks_nothing_fails(monkeypatch):
     result = call()
     assert result.exit_code == 1
     assert "it checked nothing" in result.stdout
-    assert "0 hold, 1 fail" in result.stdout
+    assert "1 of 1 case FAILED" in result.stdout
 
 
 def test_ctrl_c_shows_what_is_done(monkeypatch):
@@ -101,6 +126,7 @@ def test_ctrl_c_shows_what_is_done(monkeypatch):
     monkeypatch.setattr(selftest.measure, "core_count", lambda: 1)
     result = call()
     assert result.exit_code == 130
+    assert result.stdout.startswith("1 case passes on this machine (")
     assert catalogue.CASES[0].name in result.stdout
     assert "interrupted after 1 of 2" in result.stderr
 

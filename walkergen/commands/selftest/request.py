@@ -30,6 +30,7 @@ class SelftestRequest(request.Request):
     only: Annotated[
         str | None, request.AsText, Flag("Case to run, or section: 6.4.", "NAME-OR-SECTION", takes="str | None")
     ] = None
+    all: Annotated[bool, Flag("Print each case with its check closest to the limit.")] = False
 
     def run(self, progress: Progress) -> "Report":
         """Run the cases."""
@@ -37,7 +38,7 @@ class SelftestRequest(request.Request):
 
         jobs = make.select_cases(self.only)
         results, whole = make.run_cases(jobs, progress)
-        found = report.make_report(results, whole)
+        found = report.make_report(results, whole, self.all)
         if not whole:
             return replace(found, warnings=[f"interrupted after {len(results)} of {len(jobs)}"], code=130)
         return replace(found, code=0 if all(result.holds for result in results) else 1)
