@@ -12,8 +12,8 @@ from walkergen.guests.crowd import files as crowd_files
 
 @pytest.fixture
 def runs(tmp_path):
-    """Tracks of three runs of a crowd in a disc of 60 mm."""
-    paths = [tmp_path / f"run{seed}.csv" for seed in range(3)]
+    """Tracks of four runs of a crowd in a disc of 60 mm."""
+    paths = [tmp_path / f"run{seed}.csv" for seed in range(4)]
     for seed, path in enumerate(paths):
         path.write_bytes(crowd_files.to_csv(gas("disc:60", 40, 12, seed)))
     return paths
@@ -27,7 +27,7 @@ def test_runs_become_a_page_tables_and_json(run, runs, tmp_path):
     shown = run(*words, "--json", "--no-pictures")
     assert shown.exit_code == 0
     facts = json.loads(shown.stdout)
-    assert facts["runs"] == 3
+    assert facts["runs"] == 4
     assert facts["numbers"]["packing"]["value"] == pytest.approx(40 * 3.0 / (np.pi * 900.0))
     assert facts["numbers"]["polar_order"]["se"] > 0
     folder = out / "analysis"

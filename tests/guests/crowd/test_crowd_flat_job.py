@@ -84,7 +84,7 @@ def test_cards_denser_than_was_tested_give_no_number_but_their_input(run, asked,
 
 
 def test_a_crowd_of_cards_tells_its_speeds(run, asked):
-    many = wg.crowd("bar.json", count=4, arena="periodic:212", seconds=1.0, runs=2)
+    many = wg.crowd("bar.json", count=4, arena="periodic:212", seconds=1.0, runs=4)
     assert many.statistics.numbers["speed"].known
     assert "msd" in many.statistics.curves
     tables = {table.name: table for table in many.tables}

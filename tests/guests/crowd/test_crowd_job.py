@@ -58,7 +58,7 @@ def walking(monkeypatch):
 
 COMMAND = ("crowd",)
 REQUEST = CrowdRequest(rate_hz=10.0, threads=1)
-SHORT = ("--seconds", "2", "--runs", "3", "--no-pictures")
+SHORT = ("--seconds", "2", "--runs", "4", "--no-pictures")
 
 
 def population_of(names, counts, **keys):
@@ -114,12 +114,12 @@ def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_pa
     assert result.exit_code == 0, result.output
     facts = json.loads(result.stdout)
     assert facts["kinds"] == {"polar-disc": 6, "rotator": 4}
-    assert facts["runs"] == 3
+    assert facts["runs"] == 4
     polar = facts["numbers"]["polar_order"]
     assert polar["se"] > 0.0
     folder = tmp_path / facts["folder"]
     assert {path.name for path in (folder / "tracks").iterdir()} >= {
-        f"run-{number}{suffix}" for number in range(3) for suffix in (".csv", ".xyz")
+        f"run-{number}{suffix}" for number in range(4) for suffix in (".csv", ".xyz")
     }
     rows = rows_of(folder / "tracks" / "run-1.csv")
     assert len(rows) == 10 * 50

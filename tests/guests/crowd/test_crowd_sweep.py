@@ -21,7 +21,7 @@ from walkergen.guests.sweep.request import SweepRequest
 from walkergen.points.store import Store
 
 PACKINGS = "scene.crowd.packing=0.1,0.2"
-SHORT = ("scene.run.seconds=2", "scene.run.runs=3")
+SHORT = ("scene.run.seconds=2", "scene.run.runs=4")
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_each_row_is_what_the_command_crowd_says_of_the_same_crowd(calls, store)
         crowd = crowd_space.make_population(own, point.scene, [point.design])
         numbers = simulate(own, crowd, silent).statistics.numbers
         assert cells["walkers"] == len(crowd.kind_indices)
-        assert cells["runs"] == 3
+        assert cells["runs"] == 4
         for name in keep:
             unit = "_mm_s" if name == "speed" else ""
             assert cells[f"{name}{unit}"] == numbers[name].value
@@ -82,16 +82,16 @@ def test_bounds_follow_student_of_the_runs(calls, store):
     (row,) = swept(store, "scene.crowd.count=4", *SHORT, keep=["speed"]).table.rows
     assert len(row) == 3 + 4 + 1
     value, se, low, high = row[3:7]
-    width = stats.t.ppf(0.975, 2) * se
+    width = stats.t.ppf(0.975, 3) * se
     assert (low, high) == pytest.approx((value - width, value + width), rel=1e-9)
 
 
 def test_a_crowd_is_simulated_once_whatever_is_kept_of_it(calls, store):
     swept(store, PACKINGS, *SHORT, keep=["polar_order"])
     first = len(calls)
-    assert first == 2 * 3
+    assert first == 2 * 4
     wider = swept(store, "scene.crowd.packing=0.1,0.2,0.3", *SHORT, keep=["milling", "packing"])
-    assert len(calls) == first + 3
+    assert len(calls) == first + 4
     assert "2 of the points were stored before" in wider.lines
     assert all(value is not None for value in wider.table["milling"])
 
@@ -107,10 +107,10 @@ def test_a_sweep_that_is_stopped_goes_on_at_the_crowd_that_it_was_in(calls, stor
     monkeypatch.setattr(crowds, "simulate", stopping)
     with pytest.raises(KeyboardInterrupt):
         swept(store, PACKINGS, *SHORT)
-    assert len(calls) == 3
+    assert len(calls) == 4
     monkeypatch.setattr(crowds, "simulate", counted)
     assert "1 of the points were stored before" in swept(store, PACKINGS, *SHORT).lines
-    assert len(calls) == 6
+    assert len(calls) == 8
 
 
 def test_the_folder_has_a_table_and_a_picture_of_each_statistic(calls, store, tmp_path):
@@ -176,7 +176,7 @@ def test_walkers_that_fell_and_lost_energy_are_told_in_the_status(store, monkeyp
 
     one = ("scene.crowd.count=4", *SHORT)
     monkeypatch.setattr(crowds, "simulate", falling)
-    assert "3 fell, of 12" in swept(store, *one).table.rows[0][-1]
+    assert "4 fell, of 16" in swept(store, *one).table.rows[0][-1]
     monkeypatch.setattr(crowds, "simulate", losing)
     assert "40 %" in swept(store, *one, "scene.run.seed=2").table.rows[0][-1]
 

@@ -9,6 +9,7 @@ from walkergen.core import dish as dishes
 from walkergen.core.errors import InputError
 from walkergen.guests.crowd import statistics as crowds
 from walkergen.guests.crowd.statistics import boxes, clusters, dish_geometry, fluctuations, order, packing, pairs, walls
+from walkergen.guests.crowd.statistics.summary import RANGES
 
 
 def polygon_of(dish):
@@ -223,6 +224,34 @@ def test_errors_are_the_scatter_of_the_runs():
     course = found.series["polar_order"]
     assert len(course.at) == 8
     assert (course.se > 0).all()
+
+
+@pytest.mark.parametrize("runs", [1, 2, 3])
+def test_fewer_than_four_short_runs_have_values_and_no_bounds(runs):
+    found = crowds.measure([gas("disc:100", 40, 8, seed) for seed in range(runs)])
+    count = "one run is too short" if runs == 1 else f"{runs} runs are too few"
+    for name in ("polar_order", "speed", "cluster_size", "wall_density", "fluctuation_exponent"):
+        number = found.numbers[name]
+        assert number.value == pytest.approx(found.by_run[name].mean())
+        assert (number.se, number.interval(), number.refused) == (None, None, f"{count} for bounds")
+    assert found.numbers["packing"].se == 0.0
+    assert np.isnan(found.series["polar_order"].se).all()
+    assert np.isnan(found.curves["g"].se).all()
+
+
+def test_bounds_stay_within_possible_values():
+    found = crowds.measure([gas("disc:100", 3, 4, seed) for seed in range(4)])
+    known = [name for name in RANGES if found.numbers[name].known]
+    assert len(known) > 8
+    for name in known:
+        least, most = RANGES[name]
+        low, high = found.numbers[name].interval()
+        assert least <= low <= found.numbers[name].value <= high <= most, name
+    clipped = [found.numbers[name] for name in known if found.numbers[name].ends is not None]
+    assert clipped
+    for number in clipped:
+        wide = number._replace(ends=None).interval()
+        assert wide[0] < RANGES[number.key][0] or wide[1] > RANGES[number.key][1]
 
 
 @pytest.mark.slow

@@ -245,4 +245,6 @@ def _format_speed(simulated: Simulation, scene: Scene) -> str:
     speed += numbers.format_step_error(simulated)
     if simulated.orbit is not None:
         return f"{speed}; {simulated.orbit.kind}: all runs end this way, so there is no statistical error"
-    return speed if se is not None else f"{speed}; standard error unknown: needs 4 runs"
+    good = simulated.results.summary.outcomes.get(Outcome.TOO_FEW.value, 0)
+    few = "one run is" if good == 1 else f"{good} runs are"
+    return speed if se is not None else f"{speed}; {few} too few for bounds"

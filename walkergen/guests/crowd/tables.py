@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.core import Quantity, format_duration, format_number
 from walkergen.files import quantity_format
 from walkergen.files.report import Column, Table
-from walkergen.guests.crowd.statistics.summary import NO_WALL, CrowdStatistics
+from walkergen.guests.crowd.statistics.summary import NO_WALL, CrowdStatistics, few_runs_reason
 
 NUMBER_COLUMNS = ("quantity", "value", "se", "low_95", "high_95", "by_chance", "refused")
 """Columns of crowd.csv: a quantity, its bounds, and its value of as many walkers placed and turned at random."""
@@ -76,7 +76,8 @@ def describe_answer(statistics: CrowdStatistics) -> str:
     """Describe how fast the walkers run and how far they point the same way, as far as it is known."""
     parts = []
     if (speed := statistics.numbers["speed"]).value is not None:
-        parts.append(f"{quantity_format.format_value(speed, 'mm/s')} on average")
+        parts.append(f"{quantity_format.format_value(speed._replace(refused=''), 'mm/s')} on average")
+        parts[0] += f" ({speed.refused})" if speed.refused else ""
     if (order := statistics.numbers["polar_order"]).value is not None:
         chance = format_number(statistics.by_chance["polar_order"], 2)
         parts.append(f"polar order {format_number(order.value, 2)} ({chance} at random, 1 if all point the same way)")
@@ -97,7 +98,11 @@ def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
 
 def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
     """Return the columns of the table shown to people. The first cell of a row names its quantity."""
-    numbers = {number.column: number for number in statistics.numbers.values()}
+    few = few_runs_reason(statistics.runs)  # said once, below the table
+    numbers = {
+        number.column: number._replace(refused="") if number.refused == few else number
+        for number in statistics.numbers.values()
+    }
 
     def format_chance(row: Sequence[Any]) -> str:
         number = numbers[row[0]]

@@ -1,7 +1,7 @@
 """Statistics of a crowd from independent runs: numbers, their course in time, and curves.
 
-Every error comes from the scatter of the runs. A single run gives errors of numbers that vary in time, if it is much
-longer than their correlation time. Its curves then have no errors.
+Every error comes from the scatter of four or more runs. Fewer runs give errors of numbers that vary in time, if the
+runs are much longer than their correlation time. Their curves have no errors.
 """
 
 import math
@@ -40,8 +40,21 @@ UNITS = {
 """Names of the numbers and their units as keys write them ("" is a pure number). `milling` is the
 mean modulus of `circulation`, which may go either way; `wall_density` is over the mean."""
 
+SHARE, COSINE, AT_LEAST_0 = (0.0, 1.0), (-1.0, 1.0), (0.0, math.inf)
+
+RANGES = {
+    **dict.fromkeys(("packing", "polar_order", "nematic_order", "milling", "largest_cluster", "alone"), SHARE),
+    **dict.fromkeys(("local_polar_order", "local_nematic_order", "circulation", "wall_alignment"), COSINE),
+    **dict.fromkeys(("packing_scatter", "speed", "clusters", "touching", "wall_density", "wall_speed"), AT_LEAST_0),
+    "cluster_size": (1.0, math.inf),
+}
+"""Possible values of numbers. Bounds end there, which loses none of their confidence."""
+
 WHOLE_RUN_NUMBERS = ("spread_exponent", "fluctuation_exponent")
 """Numbers of a whole run, without a course in time."""
+
+MIN_RUNS = 4
+"""Number of runs below which their scatter gives no error, as for single walkers (`core.simulation.ensemble`)."""
 
 MAX_PAIR_FRAMES = 200
 """Largest number of evenly spaced frames for pair statistics."""
@@ -56,8 +69,6 @@ NO_OUTLINE = "no outlines known"
 NO_HEADING = "no headings known"
 NO_WALL = "a periodic dish has no wall"
 NO_PAIRS = "too few walkers"
-NO_ERROR_SHORT_RUN = "one run is too short for an error"
-NO_ERROR_ONE_RUN = "one run gives no error"
 
 
 class CrowdStatistics(NamedTuple):
@@ -70,7 +81,7 @@ class CrowdStatistics(NamedTuple):
     by_run: dict[str, Array]
     """Numbers of each run, shape (runs,)."""
     series: dict[str, Curve]
-    """Course in time (s) of numbers, mean over the runs; errors NaN with one run."""
+    """Course in time (s) of numbers, mean over the runs; errors NaN below MIN_RUNS."""
     curves: dict[str, Curve]
     """g, polar_correlation, nematic_correlation by distance (mm); msd (mm^2) by lag (s);
     fluctuations (variance) by mean number; local_packing (density) by packing; cluster_shares by
@@ -225,26 +236,41 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
     unit = UNITS[name]
     if np.isnan(values).any():
         return Quantity(name, unit, None, refused=_missing_reason(name, film))
-    first = float(values[0])
-    if len(values) > 1:
-        if np.ptp(values) <= EQUAL_TOLERANCE * abs(first):
-            return Quantity(name, unit, first, 0.0)
-        return Quantity(name, unit, *weighted_mean(values)[:2], freedom=len(values) - 1.0)
-    if name in WHOLE_RUN_NUMBERS:
-        return Quantity(name, unit, first, refused=NO_ERROR_ONE_RUN)
-    return _quantity_of_one_run(name, first, *runs[0].series[name])
+    courses = [run.series[name] for run in runs if name in run.series]
+    constant = all(np.ptp(course[np.isfinite(course)]) == 0.0 for _, course in courses)
+    if np.ptp(values) <= EQUAL_TOLERANCE * abs(float(values[0])) and (len(values) > 1 or (courses and constant)):
+        return Quantity(name, unit, float(values[0]), 0.0)
+    if len(values) >= MIN_RUNS:
+        return _clip_bounds(Quantity(name, unit, *weighted_mean(values)[:2], freedom=len(values) - 1.0))
+    return _clip_bounds(_quantity_of_few_runs(name, float(values.mean()), courses, len(values)))
 
 
-def _quantity_of_one_run(name: str, value: float, times: Array, course: Array) -> Quantity:
-    """Return the mean `value` of a `course` (F,), with an error if the run is much longer than its correlation time."""
-    unit, known, interval = UNITS[name], np.isfinite(course), float(times[1] - times[0])
-    if np.ptp(course[known]) == 0.0:
-        return Quantity(name, unit, value, 0.0)
-    if known.all() and (time := correlation_time([course], interval)) is not None:
-        se = error_of_mean([course], interval, time)
-        if se is not None:
-            return Quantity(name, unit, value, se, len(course) * interval / (2.0 * time) - 1.0)
-    return Quantity(name, unit, value, refused=NO_ERROR_SHORT_RUN)
+def _quantity_of_few_runs(name: str, value: float, courses: Sequence[tuple[Array, Array]], runs: int) -> Quantity:
+    """Return the mean `value` of runs, with an error if they are much longer than the correlation time of `courses`."""
+    values = [course for _, course in courses]
+    if values and all(np.isfinite(course).all() for course in values):
+        interval = float(courses[0][0][1] - courses[0][0][0])
+        time = correlation_time(values, interval)
+        se = None if time is None else error_of_mean(values, interval, time)
+        if time is not None and se is not None:
+            independent = sum(map(len, values)) * interval / (2.0 * time)
+            return Quantity(name, UNITS[name], value, se, independent - 1.0)
+    return Quantity(name, UNITS[name], value, refused=few_runs_reason(runs))
+
+
+def few_runs_reason(runs: int) -> str:
+    """Return why so few runs give no bounds."""
+    return "one run is too short for bounds" if runs == 1 else f"{runs} runs are too few for bounds"
+
+
+def _clip_bounds(number: Quantity) -> Quantity:
+    """Return a quantity whose bounds end at its possible values."""
+    least, most = RANGES.get(number.key, (-math.inf, math.inf))
+    wide, narrow = number.interval(0.95), number.interval(0.68)
+    if wide is None or narrow is None or (wide[0] >= least and wide[1] <= most):
+        return number
+    low_95, low_68, high_68, high_95 = (min(max(end, least), most) for end in (wide[0], *narrow, wide[1]))
+    return number._replace(ends=(low_95, low_68, high_68, high_95))
 
 
 def _missing_reason(name: str, film: CrowdFilm) -> str:
@@ -259,10 +285,10 @@ def _missing_reason(name: str, film: CrowdFilm) -> str:
 
 
 def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
-    """Return the mean of the runs' curves, (places, values), and its error: NaN with one run or a missing value."""
+    """Return the mean of the runs' curves, (places, values), and its error: NaN below MIN_RUNS or without a value."""
     values = np.stack([values for _, values in curves])
     error = np.full(values.shape[1], math.nan)
-    if len(values) > 1:
+    if len(values) >= MIN_RUNS:
         error = values.std(axis=0, ddof=1) / math.sqrt(len(values))
     return Curve(curves[0][0], values.mean(axis=0), error)
 
@@ -286,12 +312,12 @@ def _random_values(film: CrowdFilm) -> dict[str, float]:
 def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
     """Return sentences about errors and the definitions of clusters, local order and walls."""
     film = films[0]
-    errors = (
-        f"errors come from the scatter of {len(films)} independent runs"
-        if len(films) > 1
-        else "errors of one run come from the correlation time of each number, if the run is much longer. Rare "
-        "changes are not included"
-    )
+    if len(films) >= MIN_RUNS:
+        errors = f"errors come from the scatter of {len(films)} independent runs"
+    else:
+        errors = (
+            f"{few_runs_reason(len(films))}, except of numbers that change fast; {MIN_RUNS} or more give bounds of all"
+        )
     lines = [errors]
     if film.has_sizes:
         how = (
