@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType, SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.core.files.progress import Progress, part_progress, silent
+from walkergen.core.files.progress import Expect, Progress, ignore_estimate, part_progress, silent
 from walkergen.core.scene import Scene
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.theory.prediction import Prediction
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from walkergen.core.walker.weighed_masses import Weighings
 
 
-MAX_SIMULATED = 8
-"""Maximum number of walkers that are simulated without a request, outside the surrogate: some seconds each."""
+MAX_SIMULATED = 64
+"""Maximum number of walkers that are simulated without a request, outside the surrogate: some seconds each, after a
+forecast."""
 
 
 class Simulated(NamedTuple):
@@ -67,12 +68,13 @@ def predict_members(
     weighed: "Mapping[str, Weighings]" = MappingProxyType({}),
     model: Model = "best",
     progress: Progress = silent,
+    expect: Expect = ignore_estimate,
 ) -> Iterator[Member]:
     """Yield each design as a member: mesh, masses and predicted speed, with the same random numbers for all.
 
     `built`: solids of each design. `weighed`: masses from a balance by part name; members then also have the mass and
-    speed of their mesh. With `model` "best", up to MAX_SIMULATED walkers outside the surrogate are simulated. Raises
-    InputError, before the first member, for impossible masses.
+    speed of their mesh. With `model` "best", up to MAX_SIMULATED walkers outside the surrogate are simulated, after
+    `expect` received the time that all take. Raises InputError, before the first member, for impossible masses.
     """
     named = [names.part_name(design) for design in designs]
     final = [
@@ -84,14 +86,19 @@ def predict_members(
     rows = [
         speed_prediction.predict(design, mass, scene, mode, first) for design, mass in zip(final, masses, strict=True)
     ]
-    if model == "best" and sum(row.speed_by == "theory" for row in rows) > MAX_SIMULATED:
+    unknown = sum(row.speed_by == "theory" for row in rows)
+    if model == "best" and unknown > MAX_SIMULATED:
         model = "known"
-    walkers = zip(named, final, built, masses, rows, strict=True)
-    for number, (name, design, parts, mass, row) in enumerate(walkers):
+    if model == "best" and unknown:
+        pairs = zip(final, masses, rows, strict=True)
+        simulated = [(design, mass) for design, mass, row in pairs if row.speed_by == "theory"]
+        expect(lambda: speed_prediction.expected_time(simulated, scene))
+    done = 0
+    for name, design, parts, mass, row in zip(named, final, built, masses, rows, strict=True):
         if model == "best" and row.speed_by == "theory":
-            row = speed_prediction.predict(
-                design, mass, scene, mode, model, part_progress(progress, number, len(final), name)
-            )
+            title = "its speed" if unknown == 1 else f"speeds of {unknown} walkers"
+            part = part_progress(progress, done, unknown, title)
+            row, done = speed_prediction.predict(design, mass, scene, mode, model, part), done + 1
         member = Member(design, name, parts.walker, mass, row)
         if weighed:
             member = member._replace(weighing=_compare_weighing(member, parts, scene, mode, weighed, model))

@@ -7,14 +7,14 @@ The store keeps the speed, so that a second request, from anywhere, gets the sam
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
-from walkergen.core.files.progress import Progress, part_progress
-from walkergen.core.measure import FIRST_RUNS
+from walkergen.core.files.progress import Progress, range_progress
+from walkergen.core.measure import FIRST_RUNS, core_count
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.run import Outcome
@@ -42,6 +42,9 @@ MAX_RUN_S, MAX_RUNS = 4.0, 64
 
 USUAL_S = 180.0, 20.0
 """Simulated time of a usual short simulation, and of one that corrects the surrogate, s."""
+
+START_CPU_S = 1.0
+"""CPU time until a walker and its prints are prepared, s."""
 
 MAX_CPU_S = 150.0
 """Maximum CPU time, from the steps, of a walker that is simulated without a request, s: usual ones take 5 to 30."""
@@ -99,12 +102,26 @@ def expected_cpu_s(walker: Walker) -> float:
     return 0.0
 
 
+def expected_wall_s(cases: Sequence[Walker]) -> float:
+    """Estimate the clock time (s) of short simulations of walkers of one family: the first one's moment serves all."""
+    rate = run_time.measure_rate(cases[0].plan())
+    cpu_s = 0.0
+    for walker in cases:
+        try:
+            prediction.predict(walker.design, walker.mass, walker.scene, "coulomb")
+        except UnknownError as reason:
+            corrected = reason.near is not None and corrected_surrogate.can_correct(reason.near)
+            cpu_s += rate * USUAL_S[corrected] + START_CPU_S
+    return cpu_s / core_count()
+
+
 def _simulate_runs(walker: Walker, progress: Progress) -> Record:
     """Return the record of speeds, mm/s, from runs of the walker as designed and of its prints."""
-    simple = find_simplest(_with_short_runs(walker), part_progress(progress, 0, 3, "what can be left out"))
+    first = 0.0 if walker.scene.run.accepted_error is None else 0.33
+    simple = find_simplest(_with_short_runs(walker), range_progress(progress, 0.0, first))
     short_walker = simple.walker
     results = walkers.simulate_with_limit(
-        short_walker, NOMINAL_TOLERANCE, MAX_RUNS, part_progress(progress, 1, 3, "as designed")
+        short_walker, NOMINAL_TOLERANCE, MAX_RUNS, range_progress(progress, first, 0.5)
     )
     if results.partial:
         raise KeyboardInterrupt
@@ -181,9 +198,7 @@ def _simulate_prints(walker: Walker, progress: Progress) -> Record:
     run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
     scene = walker.scene.model_copy(update={"run": run})
     try:
-        drawn = print_ensemble.simulate_prints(
-            scene, walker.design, PRINT_COUNT, part_progress(progress, 1, 2, "as you will get it")
-        )
+        drawn = print_ensemble.simulate_prints(scene, walker.design, PRINT_COUNT, range_progress(progress, 0.5, 1.0))
     except InputError:
         return {}
     speeds = drawn.halves.mean(axis=1)

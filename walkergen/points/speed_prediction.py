@@ -1,8 +1,9 @@
 """Choice of how a speed is predicted: statics, the surrogate inside its domain, or a short simulation."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
-from walkergen.core.files.progress import Progress, silent
+from walkergen.core.files.progress import Expected, Progress, silent
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import Prediction
@@ -56,6 +57,15 @@ def predict(
             note += _push_warning(scene.drive.push_ratio(float(mass.total)))
         speed = short_simulation.speed_from_record(record, scene)
         return prediction.make_row(design, mass, scene, mode, speed, note, falls)
+
+
+def expected_time(cases: Sequence[tuple[Design, MassProperties]], scene: Scene) -> Expected:
+    """Estimate the clock time until walkers outside the surrogate's domain have a speed, one after the other."""
+    from walkergen.points import short_simulation
+    from walkergen.points.experiments import Walker
+
+    seconds = short_simulation.expected_wall_s([Walker(scene, design, mass) for design, mass in cases])
+    return Expected(seconds, "‹model=›known leaves these speeds out" if len(cases) > 1 else "")
 
 
 def _describe_source(record: "Record") -> str:

@@ -12,6 +12,7 @@ from test_cli import COLUMNS
 from walkergen.commands.family.request import FamilyRequest
 from walkergen.core.errors import OutputError, PlateError
 from walkergen.core.files import ledger, output
+from walkergen.core.printing import export
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
 
@@ -88,13 +89,19 @@ def test_equal_input_gives_equal_bytes(tmp_path):
     assert one["files"] == two["files"]
 
 
-def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_path):
-    def interrupt(what, done, total):
-        if done == 3:
-            raise KeyboardInterrupt
+def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_path, monkeypatch):
+    written, stl_bytes = [], export.stl_bytes
 
+    def interrupt(mesh, name):
+        if len(written) == 3:
+            raise KeyboardInterrupt
+        written.append(name)
+        return stl_bytes(mesh, name)
+
+    monkeypatch.setattr(export, "stl_bytes", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        make_family(tmp_path, interrupt)
+        make_family(tmp_path)
+    monkeypatch.setattr(export, "stl_bytes", stl_bytes)
     finished = [name for name in files_of(tmp_path) if not name.startswith(".")]
     assert len(finished) == 3
     for name in finished:

@@ -18,7 +18,7 @@ from walkergen.commands.family.report import FamilyReport
 from walkergen.commands.family.request import FamilyRequest
 from walkergen.core.errors import GeometryError
 from walkergen.core.files.output import Folder, versions
-from walkergen.core.files.progress import Progress
+from walkergen.core.files.progress import Expect, Progress, range_progress
 from walkergen.core.printing import export, plates, print_sheet
 from walkergen.core.printing.findings import check_printable, warning_lines
 from walkergen.core.printing.printers import Printer
@@ -41,6 +41,10 @@ CURVE_MARGIN_DEG = 10.0
 """Margin around a single tilt within which the theory is drawn as well, deg."""
 MAX_TILT_DEG = 85.0
 """Largest tilt of a design's legs, deg."""
+
+
+SPEEDS_SHARE, RUNS_SHARE = 0.2, 0.9
+"""Shares of the progress bar at which predicted and then simulated speeds are complete; pictures have the rest."""
 
 
 class FamilyInputs(NamedTuple):
@@ -77,7 +81,7 @@ def read_inputs(request: FamilyRequest) -> FamilyInputs:
     return FamilyInputs(design, family, copies, scene, given.printer(request.printer), masses, measured, notes)
 
 
-def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
+def run(request: FamilyRequest, progress: Progress, expect: Expect) -> FamilyReport:
     """Write a family's folder. Finished files stay complete if a later step fails.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless it is already filled in),
@@ -90,7 +94,6 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
     """
     inputs = read_inputs(request)
     started = time.perf_counter()
-    steps = len(inputs.members) + 2
     built = [solids.build(design) for design in inputs.members]
     layout = plates.arrange(inputs.members, built, inputs.copies, inputs.printer, max_parts=request.max_parts)
     check_printable(layout.findings, request.strict)
@@ -105,23 +108,25 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
             request.mode,
             inputs.weighed,
             request.model if request.speeds else "theory",
-            progress,
+            range_progress(progress, 0.0, SPEEDS_SHARE if request.simulate else RUNS_SHARE),
+            expect,
         )
         for member, mesh in zip(predicted, layout.meshes, strict=True):
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
-            progress(member.name, len(walkers), steps)
         prints: list[Path] = []
         for name, data in plates.layout_files(layout, "family", draw, request.prusaslicer):
             folder.write(f"plates/{name}", data)
             prints += [path / "plates" / name] * name.endswith((".3mf", ".stl"))
         parts = [*(member.name for member in walkers), *weighed_masses.carried_rows(inputs.design)]
         weighed_masses.write_form(path, parts)  # people's: not in the manifest
-        progress("plates", len(walkers) + 1, steps)
         written = _report(request, inputs, walkers, path)
         written.write(folder, pictures=False)
         if request.simulate:  # takes long: everything else is already safe in the folder
-            walkers = member_runs.simulate_members(inputs.scene, walkers, progress)
+            walkers = member_runs.simulate_members(
+                inputs.scene, walkers, range_progress(progress, SPEEDS_SHARE, RUNS_SHARE)
+            )
+        progress("pictures", round(100 * RUNS_SHARE), 100)
         shown = _chart_data(inputs, request.mode, walkers) if request.pictures and request.speeds else None
         if request.simulate or shown is not None:
             _report(request, inputs, walkers, path, shown).write(folder, request.pictures)
@@ -136,7 +141,7 @@ def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
             files = {name: (path / name).read_bytes() for name in sorted(folder.hashes)}
             folder.write("report.html", page.render(report.view_parts(walkers, request.speeds), files, facts))
         folder.finish(facts)
-        progress("done", steps, steps)
+        progress("done", 100, 100)
     forms = filled_form_warnings(path, inputs.members)
     headline = speed_table.headline if request.speeds else speed_table.count_walkers
     return replace(

@@ -19,7 +19,7 @@ def simulate_members(scene: Scene, members: Sequence[Member], progress: Progress
     from walkergen.points.experiments import Walker
 
     wanted = [Walker(scene, member.design, member.mass) for member in members]
-    titles = [f"simulating {member.name}" for member in members]
+    titles = [f"simulating {len(members)} walkers"] * len(members)
     with_speeds = []
     for member, point in zip(members, walkers.simulate_each(wanted, titles, progress), strict=True):
         summary = point.summary

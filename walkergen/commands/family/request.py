@@ -61,5 +61,5 @@ class FamilyRequest(request.Request):
         """Make the family."""
         if not self.speeds:
             self.check_unset("needs speeds, which this request leaves out", "model", "simulate", "measured", "why")
-        report: FamilyReport = self.do_work(progress)
+        report: FamilyReport = self.do_work(progress, self._expect)
         return report

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Progress, silent
+from walkergen.core.files.progress import Expect, Progress, ignore_estimate, silent
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
@@ -106,6 +106,7 @@ def predict(
     why: bool = False,
     progress: Progress = silent,
     united: bool = True,
+    expect: Expect = ignore_estimate,
 ) -> PredictReport:
     """Predict walkers of a design, and return their report.
 
@@ -134,7 +135,7 @@ def predict(
         If the mode of the theory does not fit the scene's contact law.
     """
     built = [solids.build(walker, united=united) for walker in walkers]
-    predicted = list(members.predict_members(walkers, built, scene, mode, weighed, model, progress))
+    predicted = list(members.predict_members(walkers, built, scene, mode, weighed, model, progress, expect))
     shares = [_shares(member, scene) for member in (predicted if uncertain else ())]
     return make_report(design, scene, mode, predicted, shares, why)
 

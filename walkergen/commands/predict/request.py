@@ -65,5 +65,8 @@ class PredictRequest(request.Request):
         scene = given.scene(request.choose_scene(self.scene, [design]))
         members = given.members(design, self.tilt, self.legs, whole=False)
         masses, warnings = inputs.read_masses(self.weights, members)
-        report = make.predict(design, members, scene, self.mode, masses, self.uncertain, self.model, self.why, progress)
+        report = make.predict(
+            *(design, members, scene, self.mode, masses, self.uncertain, self.model, self.why, progress),
+            expect=self._expect,
+        )
         return replace(report, warnings=[*report.warnings, *warnings])

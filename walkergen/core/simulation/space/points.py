@@ -7,6 +7,7 @@ radius farther.
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ import numpy as np
 from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.space.state import Array, Walker
+from walkergen.core.walker import resolve
+from walkergen.core.walker.body import Body
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
@@ -88,7 +91,7 @@ def _order_from_back(points: Array) -> Any:
 
 def body_hull(design: Design, mass: MassProperties, centre: Array) -> Array:
     """Return points of the body's convex hull, shape (n, 3), mm, from C. `centre` is C from O, mm."""
-    corners = _box_corners(design) if design.body.plain else _hull_points(design)
+    corners = _box_corners(design) if design.body.plain else _hull_points(design.body.cache_key).copy()
     corners[:, :2] = to_centre_frame(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)
 
@@ -100,14 +103,16 @@ def _box_corners(design: Design) -> Array:
     return signs * (0.5 * np.array([size.length, size.thickness, size.depth]))
 
 
-def _hull_points(design: Design) -> Array:
+@lru_cache(maxsize=64)  # every run of every print asks for it, and hulls of large meshes take a second
+def _hull_points(keys: str) -> Array:
     """Return points of the hull of a body, shape (n, 3) with n <= MAX_HULL_POINTS, from its middle, mm.
 
+    `keys`: the body's `cache_key`.
     If the hull has more corners, the outermost points in `MAX_HULL_POINTS` evenly spread directions represent it.
     """
     from scipy.spatial import ConvexHull
 
-    vertices = design.shape.solid().vertices - (0.0, 0.0, 0.5 * design.size.depth)
+    vertices = _solid_vertices(keys)
     hull = vertices[np.unique(ConvexHull(vertices).vertices)]
     if len(hull) <= MAX_HULL_POINTS:
         return np.array(hull)
@@ -116,6 +121,13 @@ def _hull_points(design: Design) -> Array:
     flat = np.sqrt(1.0 - up * up)
     directions = np.column_stack([flat * np.cos(turn), up, flat * np.sin(turn)])
     return np.array(hull[np.unique(np.argmax(directions @ hull.T, axis=1))])
+
+
+@lru_cache(maxsize=64)
+def _solid_vertices(keys: str) -> Array:
+    """Return the vertices of the body with this `cache_key`, shape (n, 3), from its middle, mm."""
+    shape = resolve.shape_of(Body.model_validate_json(keys))
+    return np.asarray(shape.solid().vertices - (0.0, 0.0, 0.5 * shape.size.depth))
 
 
 def _wall_points(design: Design) -> Array:
@@ -128,7 +140,7 @@ def _wall_points(design: Design) -> Array:
     if shape.side is not None:
         half = 0.5 * size.length, 0.5 * size.depth
         return np.array([(x, 0.0, z) for x in (-half[0], half[0]) for z in (-half[1], half[1])])
-    hull = shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
+    hull = _solid_vertices(design.body.cache_key)
     if shape.mesh is None:
         hull = hull * (1.0, 0.0, 1.0)
     corners = np.unique(hull[np.argmax(_directions(0.0) @ hull.T, axis=1)].round(9), axis=0)
@@ -137,8 +149,8 @@ def _wall_points(design: Design) -> Array:
 
 def _lid_points(design: Design) -> Array:
     """Return corners that may touch a lid as the body tilts, shape (n, 3), mm from its middle, from back to front."""
-    body, size = design.body, design.size
-    hull = _box_corners(design) if body.plain else design.shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
+    body = design.body
+    hull = _box_corners(design) if body.plain else _solid_vertices(body.cache_key)
     reach = _directions(*LID_SLOPES) @ hull.T
     # all points that reach equally far, so that mirror images have the same ones
     outermost = (reach > reach.max(axis=1, keepdims=True) - EQUAL_REACH_MM).any(axis=0)
