@@ -13,6 +13,7 @@ _FUNCTIONS = {
     "engraving": ("add_notches", "cut_letters", "engraved_profiles"),
     "leg_attachment": ("body_mass", "extend_legs", "prepare_body"),
     "leg_placement": ("find_placement",),
+    "own_legs": ("use_own_legs",),
     "marks": ("format_mark", "mark_problems"),
     "stance": ("level_feet",),
 }

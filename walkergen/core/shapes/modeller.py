@@ -51,7 +51,7 @@ def check_solid(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
 def to_mesh(manifold: manifold3d.Manifold) -> Mesh:
     """Return the closed mesh of a solid."""
     raw = manifold.to_mesh64()
-    vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3]
+    vertices = np.array(raw.vert_properties, dtype=np.float64)[:, :3]
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
 
 

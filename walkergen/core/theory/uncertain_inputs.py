@@ -242,19 +242,20 @@ def _clip_thickness(thickness: float) -> float:
 
 def _with_leg_thickness(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
     """Return the design with its first leg of another thickness (mm), others in proportion, and material values."""
-    if thickness is not None:
+    ratio = 1.0 if thickness is None else thickness / design.limbs[0].thickness
+    scaled = [_clip_thickness(ratio * limb.thickness) for limb in design.limbs]
+    if thickness is not None and not design.is_complete_mesh:
         data = design.model_dump(exclude_unset=True)
         if design.has_legs_table:
             data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = _clip_thickness(thickness)
         else:
-            ratio = thickness / design.limbs[0].thickness
-            for leg, limb in zip(data["legs"], design.limbs, strict=True):
-                leg["thickness_mm"] = _clip_thickness(ratio * limb.thickness)
+            for leg, leg_thickness in zip(data["legs"], scaled, strict=True):
+                leg["thickness_mm"] = leg_thickness
         design = Design.model_validate(data)
     if material:
         changed = design.material.model_copy(update=material)
         design = design.model_copy(update={"material": changed})
-    return design
+    return design.with_leg_thicknesses(scaled) if thickness is not None and design.is_complete_mesh else design
 
 
 class Share(NamedTuple):

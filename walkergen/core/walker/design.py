@@ -6,6 +6,7 @@ their anchors, tilted so that the feet lie behind them for tilt > 0. The two equ
 their given places. Defaults are the paper's object.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import Any, Self
@@ -23,6 +24,10 @@ from walkergen.core.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, merge_walke
 
 SHORT_KEYS = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
 """Keys, by the words of commands for them."""
+
+
+MESH_TOLERANCE_MM = 1e-4
+"""Difference of the legs of a mesh that count as equal, mm: some last bits of the 32-bit floats of its file."""
 
 
 class Design(WalkerSpec):
@@ -57,10 +62,13 @@ class Design(WalkerSpec):
     @model_validator(mode="before")
     @classmethod
     def _level_stance(cls, data: Any) -> Any:
-        """Return a walker's data before validation. If stance is "as built", the walker is turned to level its feet."""
+        """Return a walker's data before validation, with the legs of its mesh, or turned if stance is "as built"."""
         if not isinstance(data, Mapping):
             return data
         data = merge_walker_table(data)
+        body = data.get("body")
+        if isinstance(body, Mapping) and "mesh" in body and "legs_below_mm" not in body:
+            data = resolve.load_readers().use_own_legs(data)
         if data.get("stance") != "as built":
             return data
         tilt_deg = data.get("leg_tilt_deg")
@@ -120,7 +128,15 @@ class Design(WalkerSpec):
         """Messages on changes to the body's file, its assumed size and the positions of automatic legs."""
         remarks = [*self.shape.changes, *filter(None, [self.shape.assumption])]
         notes = [f"{self.name}: {'; '.join(remarks)}"] if remarks else []
-        return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.has_automatic_legs else tuple(notes)
+        if self.has_automatic_legs or self.is_complete_mesh:
+            notes.append(f"{self.name}: {resolve.describe_placement(self)}")
+        return tuple(notes)
+
+    def with_leg_thicknesses(self, thicknesses_mm: Iterable[float]) -> "Design":
+        """Return a copy of a finished walker's design whose legs have other thicknesses, as prints differ."""
+        copy, limbs = self.model_copy(), zip(self.limbs, thicknesses_mm, strict=True)
+        copy.__dict__["limbs"] = tuple(limb._replace(thickness=thickness) for limb, thickness in limbs)
+        return copy
 
     def with_explicit_leg_positions(self) -> "Design":
         """Return the design with the automatic positions of its legs written as numbers, which a user can edit.
@@ -156,6 +172,9 @@ class Design(WalkerSpec):
         first, second = self.limbs
         image = second._replace(along=0.0 - second.along)
         has_own_contact = first.friction is not None or first.restitution is not None
+        if self.is_complete_mesh:  # in 32-bit floats
+            numbers = [tuple(each for each in limb if isinstance(each, float)) for limb in (first, image)]
+            return math.dist(*numbers) + abs(first.across) <= MESH_TOLERANCE_MM
         return first == image and first.across == 0.0 and not has_own_contact
 
     @property

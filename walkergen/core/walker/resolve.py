@@ -44,6 +44,7 @@ class Readers(Protocol):
     body_mass: Callable[[str], SolidMass]
     extend_legs: Callable[[str, tuple[Limb, ...]], tuple[Limb, ...]]
     find_placement: Callable[[str, str], Any]
+    use_own_legs: Callable[[Mapping[str, Any]], Mapping[str, Any]]
     level_feet: Callable[[Mapping[str, Any], float], dict[str, Any]]
     format_mark: Callable[[Marks, Sequence[float], float], str]
     mark_problems: Callable[[Marks, Sequence[float], float, tuple[float, float, float]], list[str]]
@@ -89,8 +90,12 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
 
 
 def describe_placement(spec: WalkerSpec) -> str:
-    """Describe the positions of automatic legs in one line. Raises UnplacedError if no positions fit."""
+    """Describe the positions of automatic legs, or the legs of a mesh. Raises UnplacedError if no positions fit."""
     assert isinstance(spec.legs, Legs)
+    if spec.is_complete_mesh:
+        legs, up, forward = f"{len(place_legs(spec))} {spec.legs.kind} legs", spec.body.up, spec.body.forward
+        cut = f"legs_below_mm = {spec.body.legs_below_mm:g} (up = {up}, forward = {forward})"
+        return f"the mesh has {legs}, below {cut}. legs.placement = auto adds legs instead"
     words: str = load_readers().find_placement(spec.body.cache_key, spec.legs.model_dump_json()).words
     return words
 

@@ -6,6 +6,7 @@ side that prints last, by a second, shallow extrusion taken from the first.
 """
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -163,9 +164,16 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 
 
 def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
-    """Return the solids of a mesh that was a finished walker, each leg shifted so that its anchor is the origin."""
-    depth = design.size.depth
-    legs = [leg.shift(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
+    """Return the solids of a mesh that was a finished walker, each leg shifted so that its anchor is the origin.
+
+    A leg that is thicker than in the mesh is widened about the line from its anchor to its foot.
+    """
+    depth, legs = design.size.depth, []
+    measured = finished.limbs(design.kind, depth)
+    for limb, like, leg in zip(design.limbs, measured, finished.legs, strict=True):
+        x, y, z = leg.shift(-_anchor_corner(limb, depth)).vertices.T
+        x = x + (limb.thickness / like.thickness - 1.0) * (x - y * math.tan(limb.tilt))
+        legs.append(leg._replace(vertices=np.column_stack([x, y, z])))
     return Solids(finished.mesh, finished.body, tuple(legs))
 
 

@@ -181,6 +181,10 @@ class WalkerSpec(Section):
         dict
             The same data.
         """
+        if values.get("legs.placement") == "auto":  # no legs of the mesh itself
+            data["body"] = data.pop("walker", data.get("body", {}))
+            for key in {"legs", "legs_below_mm"} - {key.partition(".")[2] for key in values}:
+                data["body"].pop(key, None)
         body = data.get("body")
         former = {key: getattr(self.body, key) for key in SOURCE_KEYS}
         source = next((key for key in SOURCE_KEYS if values.get(f"body.{key}", former[key]) != former[key]), None)

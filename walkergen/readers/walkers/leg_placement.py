@@ -14,7 +14,7 @@ from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Legs, Limb, resolve_pair
 from walkergen.core.walker.sections import section_of
 from walkergen.readers.drawings import size_check
-from walkergen.readers.walkers import leg_attachment
+from walkergen.readers.walkers import leg_attachment, own_legs
 from walkergen.readers.walkers.body_shapes import shape_of
 from walkergen.readers.walkers.leg_rows import (
     MIN_EDGE_MM,
@@ -97,6 +97,8 @@ class Placement(NamedTuple):
 def find_placement(body_key: str, legs_key: str) -> Placement:
     """Find positions and widths of legs under a body, both given as JSON. Raises UnplacedError if no legs stand."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    if legs.placement is None:
+        own_legs.check_without_legs(body_key)
     try:
         return _place_legs(body, legs)
     except GeometryError as error:
