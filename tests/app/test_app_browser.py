@@ -319,6 +319,32 @@ def test_a_design_outlives_a_reload_and_a_restart(page):
     made_again(page, *page.take("stl"))
 
 
+def test_a_large_mesh_without_equal_legs_gets_a_speed(page):
+    egg = trimesh.creation.icosphere(6, 10.0)
+    egg.vertices *= np.where(egg.vertices[:, :1] > 0.0, 2.0, 1.2) * (1.0, 0.0, 0.0) + (0.0, 1.0, 1.0)
+    large = page.folder / "egg.stl"
+    egg.export(large)
+    assert large.stat().st_size > 4e6
+    page.drop(large)
+    page.until(lambda: page.find("#short-bar").is_displayed())
+    assert page.find("#short-bar").get_attribute("value") is not None  # it never moves to and fro
+    page.until(lambda: "unsure" not in page.find("#speed").get_attribute("class"))
+    assert "mm/s" in page.find("#speed").text
+
+
+def test_an_unbuildable_walker_outlives_a_reload_with_form_and_reason(page):
+    page.type("legs.tilt_deg", 89)
+    page.until(page.refusals)
+    page.browser.refresh()
+    page.until(page.refusals)
+    page.until(lambda: page.browser.find_elements(By.CSS_SELECTOR, "#form .row"))
+    assert page.find("#speed").text.startswith("This walker cannot be built")
+    page.click("#afresh")
+    page.settle()
+    assert page.refusals() == []
+    assert page.speed() > 0.0
+
+
 def test_a_phone_shows_all_in_one_column(page):
     page.browser.set_window_size(500, 800)  # the narrowest window; the page's own is narrower
     page.browser.execute_cdp_cmd(

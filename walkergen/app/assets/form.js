@@ -287,8 +287,10 @@ export function reveal(element) {
 /** Ask for the form and build it anew, with the same tables open and the same control in focus. */
 export const rebuild = lastOnly(async () => {
   const drawn = current();
-  const answer = await ask('form', { document: drawn });
   const form = byId('form');
+  let answer = await ask('form', { document: drawn });
+  const unbuildable = answer.refused && !form.querySelector('.row'); // as a reload may bring it back
+  if (unbuildable) answer = await ask('form', { document: { ...drawn, values: Object.fromEntries(Object.entries(drawn.values).filter(([key]) => /^(scene|printer)\./.test(key))) } });
   form.ariaBusy = String(drawn !== current());
   if (answer.refused) return; // the last good form stays
   const open = new Map([...form.querySelectorAll('details')].map((each) => [each.dataset.title, each.open]));
@@ -296,6 +298,7 @@ export const rebuild = lastOnly(async () => {
   legs = answer.legs;
   form.replaceChildren(...groupsOf(answer.groups, answer.shapes, (title) => open.get(title) ?? opens(title)));
   if (search.value) findRows();
+  if (unbuildable) for (const [key, value] of Object.entries(drawn.values)) showValue(key, value);
   refuse(refused); // what stood beside the former controls
   if (focused) byId(focused)?.focus();
   askSpans();

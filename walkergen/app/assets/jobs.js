@@ -17,8 +17,8 @@ function barOf(bar, line) {
   return {
     begin() {
       [begun, from] = [performance.now(), null];
+      bar.value = 0;
       bar.hidden = false;
-      bar.removeAttribute('value');
       line.textContent = 'starting';
     },
     tell([what, done, total]) {
@@ -28,8 +28,7 @@ function barOf(bar, line) {
       const passed = from ? (now - from.now) / 1000 : 0;
       const gone = from ? share - from.share : 0;
       const left = gone > HONEST && passed > 1 ? (passed * (1 - share)) / gone : null;
-      if (done) bar.value = share;
-      else bar.removeAttribute('value');
+      bar.value = share;
       const time = left === null ? `${((now - begun) / 1000).toFixed(0)} s so far` : `about ${inWords(left)} left`;
       line.textContent = `${WORDS[what] ?? what}: ${time}`;
     },

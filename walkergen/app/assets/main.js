@@ -5,14 +5,14 @@ import { compare, startCompare } from './compare.js';
 import { startDish } from './dish.js';
 import { askSpans, isOpen, make, rebuild, refuse, reveal, showValue, takeFile } from './form.js';
 import { runShort, startJobs } from './jobs.js';
-import { hangs, showCurve, showOutlook, showShares, showSpeed, showWaiting, startChart } from './outlook.js';
+import { hangs, showCurve, showOutlook, showShares, showSpeed, showUnknown, showWaiting, startChart } from './outlook.js';
 import { markFaults, showPart, showStill, startPart } from './part.js';
 import * as state from './state.js';
 
 const SETTLED_MS = 150; // without a change after which what is slower is asked for
 const RESTED_MS = 700; // and what takes longest
 const KEPT_MS = 800;
-const SHORT_MS = 1200; // before a short run tells what nothing else does
+const SHORT_MS = 500; // after an answer without a speed, before a short run tells it
 
 let walker = null; // the last good one
 let stopJobs = () => {};
@@ -23,11 +23,15 @@ const refresh = lastOnly(async () => {
   const answer = await askWalker({ document });
   byId('outlook').ariaBusy = String(document !== state.current());
   refuse(answer.refused ?? []);
+  if (answer.refused && !walker) showUnknown('This walker cannot be built: the form says why. “Reset all” brings back the template.');
   if (answer.refused) return;
   if (carriesAnew(answer.facts)) return state.change({ ...document, scene: table }, 'shape', 'scene');
   walker = answer;
   showSpeed(answer.facts);
-  if (!answer.facts.sentence.sure && simulated !== document) showWaiting(null);
+  if (!answer.facts.sentence.sure && simulated !== document) {
+    showWaiting(0);
+    shortSoon(document); // not before: a large file is read for longer than any pause
+  }
   compare(answer.facts);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
   for (const [key, value] of Object.entries(answer.facts.lengths)) if (isOpen(key)) showValue(key, value);
@@ -70,10 +74,10 @@ const showMeasure = lastOnly(async () => {
 
 let short = null; // run that tells what nothing else does
 let simulated = null; // document that it was done for
-const shortSoon = settled(() => {
-  if (!walker || walker.facts.sentence.sure) return;
+const shortSoon = settled((document) => {
+  if (document !== state.current() || simulated === document) return;
+  short?.abort();
   short = new AbortController();
-  const document = state.current();
   runShort(short.signal).then((told) => {
     if (!told) return;
     simulated = document;
@@ -103,7 +107,6 @@ function changed(document, why) {
   lookSoon();
   restSoon();
   keepSoon();
-  shortSoon();
   askSpans();
   if (why === 'value') return;
   byId('form').ariaBusy = 'true';

@@ -213,8 +213,7 @@ export function showWaiting(share) {
   if (byId('speed').textContent !== SIMULATED) showUnknown(SIMULATED);
   const bar = byId('short-bar');
   bar.hidden = false;
-  if (share === null) bar.removeAttribute('value');
-  else bar.value = Math.max(bar.value, share);
+  bar.value = share ? Math.max(bar.value, share) : 0;
 }
 
 /** Show the curve, or that there is none. */
