@@ -182,6 +182,15 @@ def draw_surrogate(folder: Path) -> bytes:
     return held_out.draw_picture(held_out.read_rows())
 
 
+def draw_work_precision(folder: Path) -> bytes:
+    """Draw the true error of walkergen, MuJoCo and Drake against time, from their table."""
+    from evidence.work_precision import figures as engines
+    from evidence.work_precision.measure import read_rows
+    from walkergen.files import figures
+
+    return figures.png(engines.draw_work_precision(read_rows()))
+
+
 def take_page(folder: Path) -> bytes:
     """Take a screenshot of a family's page."""
     return take_screenshot(folder, (folder / "report.html").as_uri(), *WINDOW)
@@ -308,6 +317,14 @@ PICTURES = (
         2,
         draw_surrogate,
         shown="python -m evidence.tables.held_out",
+    ),
+    Picture(
+        "work-precision.png",
+        "",
+        (*STYLE, "evidence/work_precision/points.csv", "evidence/work_precision/figures.py"),
+        2,
+        draw_work_precision,
+        shown="python -m evidence.work_precision.measure",
     ),
     Picture(
         "crowd.png",

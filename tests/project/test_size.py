@@ -17,25 +17,25 @@ SLACK = 200
 """Number of lines that a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5290,
+    "walkergen/analysis": 5320,
     "walkergen/api": 310,
     "walkergen/app": 2670,
     "walkergen/cli": 880,
-    "walkergen/commands": 8260,
-    "walkergen/core": 17820,
+    "walkergen/commands": 8340,
+    "walkergen/core": 17880,
     "walkergen/files": 1540,
-    "walkergen/guests/crowd": 7260,
+    "walkergen/guests/crowd": 7290,
     "walkergen/guests/lab": 4920,
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2290,
     "walkergen/guests/track": 3620,
-    "walkergen/points": 3190,
-    "walkergen/readers": 5480,
+    "walkergen/points": 3220,
+    "walkergen/readers": 6060,
     "walkergen/sheets": 540,
     "benchmarks": 2760,
     "docs": 680,
-    "evidence": 7480,
-    "tests": 39140,
+    "evidence": 8000,
+    "tests": 39750,
 }
 
 

@@ -1,0 +1,1 @@
+"""True error against time: walkergen, MuJoCo and Drake on one walker."""
