@@ -20,7 +20,7 @@ A scene describes everything outside the walker: the plate and its motion, the c
 simulated runs. It is a text file (TOML) with a table for each heading below. Every key has a default, so a file holds
 only keys that differ. To start, run `walkergen templates copy lane-90hz my.toml`. To set a key for one command, add for
 example `--set scene.drive.gamma=2.2`. Standard deviations (`_sd`) widen the bounds of predictions and change nothing
-else. The axis x points along the run of a walker with heading 0. "The paper" is [Koumakis et al. (2016)](physics.md).
+else. The axis x is the direction of heading 0. "The paper" is [Koumakis et al. (2016)](physics.md).
 
 *`python tests/core/test_scene_keys.py` writes this page from `walkergen/core/scene.py` and `walkergen/core/drive.py`.*
 """

@@ -131,8 +131,7 @@ class Plate(Section):
     roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
     """Wavelength of the bumps."""
     horizontal_ratio: Annotated[list[Ratio], PAIR] = Field(default=[0.0, 0.0])
-    """Horizontal amplitudes of the plate over the drive's amplitude, along x and to the left of x, at the frequency of
-    the drive."""
+    """Amplitudes of the plate's horizontal motion over the drive's amplitude, along x and to the left of x."""
     horizontal_phase_deg: Annotated[list[Phase], PAIR] = Field(default=[0.0, 0.0])
     """Phase leads of the two horizontal motions over the drive."""
     gradient_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
@@ -253,7 +252,7 @@ class Feet(Section):
     unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Standard deviation of the heights of the feet's corners. Every run draws new ones, as another print has."""
     unevenness_sd_um: Annotated[float, Field(ge=0, le=1e6)] = 5.0
-    """Standard deviation of `unevenness_um` between printed copies, for bounds. Negative draws change their sign."""
+    """Standard deviation of `unevenness_um` between printed copies, for bounds. Negative draws become positive."""
 
 
 def _parse_headings(value: Any) -> Any:
