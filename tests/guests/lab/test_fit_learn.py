@@ -99,6 +99,34 @@ def test_without_information_the_posterior_is_the_prior():
     assert np.array_equal(importance_sampling.sample(THREE, seen, responses(64, [1]), 1, silent).draws, found.draws)
 
 
+@pytest.mark.parametrize(("shift", "disagrees"), [(1.0, False), (4.0, True)])
+def test_measurements_that_speeds_contradict_are_named(shift, disagrees):
+    # A normal prior p ± s and speeds that alone give p + shift * hypot(s, s) ± s give the fit p + shift s / sqrt(2)
+    friction = Parameter("friction", Input("contact.friction", 0.3, 0.02), False)
+    fitted = 0.3 + shift * 0.02 / np.sqrt(2.0)
+    draws = np.random.default_rng(1).normal(fitted, 0.02 / np.sqrt(2.0), (4000, 1))
+    (row,) = identifiability.summarise_draws([friction], draws)
+    assert identifiability.disagreements([friction], [row]) == []  # it is assumed
+    found = identifiability.disagreements([friction], [row._replace(measured=True)])
+    assert len(found) == disagrees
+    if disagrees:
+        assert found[0].startswith("speeds and the measured friction disagree: ")
+        assert f"by {shift:.1f} times" in found[0]
+
+
+def test_values_without_a_stated_deviation_are_assumed():
+    given = {"friction": 0.31, "friction_sd": 0.02, "restitution": 0.6}
+    scene, design = Scene(contact=given), Design()
+    assert parameters.is_measured("friction", scene, design)
+    assert not parameters.is_measured("restitution", scene, design)
+    assert not parameters.is_measured("thickness_mm", scene, design)
+
+
+def test_a_speed_far_from_the_fit_is_named_as_outlier():
+    (note,) = identifiability.outlier_notes([40.0, 80.0], [42.0, 42.0], [5.0, 5.0], np.array([10.0, 20.0]))
+    assert note.startswith("outlier: the row of 20 deg and 80 mm/s lies 7.6 standard deviations")
+
+
 @pytest.mark.nightly
 def test_a_product_that_alone_is_known_is_named():
     def product(x, number):

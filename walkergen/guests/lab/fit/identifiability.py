@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core.files import formatting
 from walkergen.core.numerics import Array
 from walkergen.guests.lab.fit.parameters import Parameter
 from walkergen.guests.lab.fit.posterior import Posterior
@@ -21,6 +22,9 @@ MIN_COMPONENT = 0.3
 
 MAX_DEVIATIONS = 2.0
 """Standard deviations of a measured value beyond which speeds that lead elsewhere disagree with it."""
+
+MAX_ROW_DEVIATIONS = 2.5
+"""Standard deviations from the fit beyond which a measured speed is an outlier: 1 of 80 good ones is."""
 
 MIN_PROBABILITY = 1e-3
 """Probability of a misfit below which a model is reported not to describe the speeds."""
@@ -39,6 +43,8 @@ class Summary(NamedTuple):
     prior: str
     narrowed: float
     """Standard deviation over that of the prior."""
+    measured: bool = False
+    """Whether scene or design state the prior as measured, with its standard deviation; otherwise it is assumed."""
 
 
 def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Summary, ...]:
@@ -50,7 +56,7 @@ def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Summ
         ends = np.quantile(column, (0.1587, 0.8413, 0.025, 0.975))
         mean, sd = float(column.mean()), float(column.std())
         narrowed = sd / float(parameter.quantiles(grid).std())
-        row = (parameter.name, mean, sd, *map(float, ends), parameter.statement, narrowed)
+        row = (parameter.name, mean, sd, *map(float, ends), parameter.statement, narrowed, False)
         rows.append(Summary._make(row))
     return tuple(rows)
 
@@ -107,20 +113,41 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
     ]
 
 
-def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Summary]) -> list[str]:
-    """Return a note on each fitted mean that is more than MAX_DEVIATIONS prior deviations off its measured prior."""
-    notes = []
+def disagreements(parameters: Sequence[Parameter], rows: Sequence[Summary]) -> list[str]:
+    """Return a sentence for each measured value from which the speeds move a fit by more than chance would.
+
+    Speeds that agree with a normal prior (mean p, variance P) move a fit (f, F) by f - p with the variance P - F.
+    Values that the speeds hardly constrain are left out: their P - F is noise of the draws.
+    """
+    sentences = []
     for parameter, row in zip(parameters, rows, strict=True):
         prior = parameter.prior
-        if parameter.flat or not prior.mean > 0.0:
+        if parameter.flat or not row.measured or not prior.mean > 0.0 or row.narrowed > MAX_LEARNT_RATIO:
             continue
-        off = math.log(row.mean / prior.mean) if prior.factor else row.mean - prior.mean
-        if abs(off) > MAX_DEVIATIONS * prior.sd:
-            notes.append(
-                f"{row.name} = {row.mean:.3g}: the speeds disagree with the measured {parameter.statement}. "
-                "Check both, or the model itself is off for this walker"
+        off, sd = row.mean - prior.mean, row.sd
+        if prior.factor:
+            off, sd = math.log(row.mean / prior.mean), row.sd / row.mean
+        number = abs(off) / math.sqrt(prior.sd**2 - sd**2)
+        if number > MAX_DEVIATIONS:
+            sentences.append(
+                f"speeds and the measured {row.name.replace('_', ' ')} disagree: the speeds move it to "
+                f"{formatting.format_with_error(row.mean, row.sd)} from {parameter.statement}, by {number:.1f} times "
+                "what chance does"
             )
-    return notes
+    return sentences
+
+
+def outlier_notes(speeds: Sequence[float], middles: Sequence[float], sds: Sequence[float], tilts: Array) -> list[str]:
+    """Return a note on each measured speed (mm/s) farther than MAX_ROW_DEVIATIONS from the fit.
+
+    `middles`, `sds`: speeds of one more print at each row, with the standard deviation of a measurement of it.
+    """
+    return [
+        f"outlier: the row of {tilt:g} deg and {formatting.format_number(speed, 3)} mm/s lies {off:.1f} standard "
+        f"deviations from the fit, {formatting.format_number(middle, 3)} mm/s. Check this print and its film"
+        for speed, middle, sd, tilt in zip(speeds, middles, sds, tilts, strict=True)
+        if (off := abs(speed - middle) / sd) > MAX_ROW_DEVIATIONS
+    ]
 
 
 def _join_names(names: Sequence[str]) -> str:

@@ -25,6 +25,7 @@ from walkergen.guests.lab.fit.parameters import (
     SCENE_PARAMETERS,
     ModelName,
     apply_fixed,
+    is_measured,
     list_unknowns,
 )
 from walkergen.guests.lab.fit.posterior import Observed, Posterior, SpeedModel
@@ -78,6 +79,8 @@ class ModelFit(NamedTuple):
     """Scene with the contact and damping as learnt."""
     design: Design
     """Design with the thickness and Young's modulus as learnt."""
+    contradictions: Sequence[str] = ()
+    """Pairs of measurements that contradict each other, a sentence each."""
 
 
 def fit(
@@ -110,18 +113,35 @@ def fit(
     )
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
-    rows = identifiability.summarise_draws(parameters, sampled.draws)
+    rows = tuple(
+        row._replace(measured=is_measured(row.name, setup.scene, setup.design))
+        for row in identifiability.summarise_draws(parameters, sampled.draws)
+    )
+    contradictions = identifiability.disagreements(parameters, rows)
     notes = [
         *identifiability.unlearnt_notes(rows),
         *identifiability.trade_off_notes(inputs.unknown.simulated, sampled.draws),
         *identifiability.misfit_notes(sampled, len(seen.speed), model),
-        *identifiability.disagreement_notes(parameters, rows),
+        *(["check the speeds and those measurements, or the model is off for this walker"] if contradictions else []),
+        *_outliers(seen, bands),
         *notes,
         *_caveats(inputs),
     ]
     return ModelFit(
-        sampled, seen, rows, bands, notes, _fitted_scene(model, scene, rows, path), _fitted_design(design, rows, path)
+        *(sampled, seen, rows, bands, notes),
+        _fitted_scene(model, scene, rows, path),
+        _fitted_design(design, rows, path),
+        contradictions,
     )
+
+
+def _outliers(seen: Measured, bands: Sequence[Band]) -> list[str]:
+    """Return notes on rows far from the band of one more print in their setting."""
+    by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in bands}
+    own = [by_setting[key] for key in zip(map(float, seen.tilt), map(float, seen.plate_speed), strict=True)]
+    errors = np.zeros(len(own)) if seen.se is None else seen.se
+    sds = [math.hypot((band.high_95 - band.low_95) / 3.92, error) for band, error in zip(own, errors, strict=True)]
+    return identifiability.outlier_notes(list(seen.speed), [band.speed_mm_s for band in own], sds, seen.tilt)
 
 
 def _select_flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:

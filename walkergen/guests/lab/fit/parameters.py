@@ -37,6 +37,16 @@ last two of a motor."""
 SCENE_PARAMETERS = ("restitution", "friction", "tip_radius_um", "damping_ratio", "frequency_hz", "eccentric_g_mm")
 """Names of those that a scene holds; a design has the others."""
 
+STATED_DEVIATIONS = {
+    "restitution": ("contact", "restitution_sd"),
+    "friction": ("contact", "friction_sd"),
+    "tip_radius_um": ("feet", "tip_radius_sd_factor"),
+    "damping_ratio": ("legs", "damping_ratio_sd"),
+    "frequency_hz": ("drive", "frequency_sd_hz"),
+    "eccentric_g_mm": ("drive", "eccentric_sd_g_mm"),
+}
+"""Table and key of a scene with a parameter's standard deviation. Where a file gives it, the value was measured."""
+
 PRINT_INPUTS = ("body mass", "leg mass", "feet.unevenness_um")
 """Inputs that differ from print to print: drawn again for every simulated walker."""
 
@@ -102,6 +112,19 @@ class Unknown(NamedTuple):
     def prints_differ(self) -> bool:
         """True when feet differ from print to print; masses alone change speeds too little."""
         return any(varying.name == "feet.unevenness_um" for varying in self.printed)
+
+
+def is_measured(name: str, scene: Scene, design: Design) -> bool:
+    """Return whether scene or design give the standard deviation of a parameter. Otherwise its value is assumed."""
+    if name in STATED_DEVIATIONS:
+        table, key = STATED_DEVIATIONS[name]
+        return key in getattr(scene, table).model_fields_set
+    keys = {
+        "thickness_mm": (design.legs, "thickness_sd_mm"),
+        "youngs_modulus_gpa": (design.material, f"{name[:-3]}sd_gpa"),
+    }
+    holder, key = keys.get(name, (None, ""))
+    return key in getattr(holder, "model_fields_set", ())
 
 
 def list_unknowns(

@@ -1,7 +1,7 @@
 """Report of a fit: parameters, speeds of one more print, and the scene and design that go on."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -94,7 +94,7 @@ def make_model_report(fitted: ModelFit, caption: str, path: Path, folder: Path) 
         Column("parameter", lambda row: row.name.replace("_", " ")),
         report.error_column("mean ± sd", "mean", "sd"),
         report.interval_column("95 % interval", "low_95", "high_95", 3),
-        report.text_column("before", "prior"),
+        Column("before", lambda row: row.prior if row.measured else f"{row.prior}, assumed"),
     )
     kept = np.linspace(0, len(posterior.draws) - 1, min(MAX_DRAWS, len(posterior.draws))).round().astype(int)
     by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in fitted.bands}
@@ -125,7 +125,22 @@ def make_model_report(fitted: ModelFit, caption: str, path: Path, folder: Path) 
 
         return figures.draw_bands(fitted.bands, fitted.seen, path.name)
 
-    return _make_report(path, caption, tables, facts, [sampled], fitted, fitted.design, draw, folder)
+    made = _make_report(path, caption, tables, facts, [sampled], fitted, fitted.design, draw, folder)
+    return replace(made, headline="; ".join(fitted.contradictions) or _agreement(fitted))
+
+
+def _agreement(fitted: ModelFit) -> str:
+    """Return the sentence on the contact that the speeds gave, with the measurements that they agree with."""
+    values = {
+        row.name: f"{row.name.replace('_', ' ')} {formatting.format_with_error(row.mean, row.sd)}"
+        for row in fitted.rows
+    }
+    contact = [values[name] for name in ("restitution", "friction") if name in values] or list(values.values())[:1]
+    measured = [row.name.replace("_", " ") for row in fitted.rows if row.measured]
+    agrees = (
+        f", in agreement with the measured {', '.join(measured)}" if measured else "; nothing is stated as measured"
+    )
+    return f"{' and '.join(contact)} from {len(fitted.seen.speed)} speeds{agrees}"
 
 
 def _make_report(
