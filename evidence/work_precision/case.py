@@ -1,4 +1,4 @@
-"""The walker that all engines run: the paper's at 10 deg on an open plate, as `walkergen export --format mjcf` has it."""
+"""The walker of all engines: the paper's at 10 deg on an open plate, as `walkergen export --format mjcf` writes it."""
 
 import functools
 import math

@@ -40,9 +40,14 @@ CONTROL_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\u
 CODE_PAGE = "walkergen-code-page-1252"
 """Handler of bytes that are not UTF-8, for `read_lines`."""
 
-codecs.register_error(
-    CODE_PAGE, lambda error: (error.object[error.start : error.end].decode("cp1252", "replace"), error.end)
-)
+
+def _decode_code_page(error: UnicodeError) -> tuple[str, int]:
+    """Return the letters of code page 1252 for bytes that are not UTF-8, and the position after them."""
+    assert isinstance(error, UnicodeDecodeError)
+    return error.object[error.start : error.end].decode("cp1252", "replace"), error.end
+
+
+codecs.register_error(CODE_PAGE, _decode_code_page)
 
 
 def read_start(path: Path, count: int, format: str) -> bytes:
