@@ -249,6 +249,8 @@ class Design(WalkerSpec):
         if self.has_legs_table:
             values = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
             return {key: value for key, value in values.items() if value is not None}
+        if kind is not None and self.is_complete_mesh:
+            return self._tilt_and_kind_keys(tilt_deg, None) | {"legs.kind": kind}
         if kind not in (None, self.kind):
             raise GeometryError(f"{self.name}: its legs cannot be made {kind}. Change their kind in [[legs]].")
         if tilt_deg not in (None, self.tilt_deg) and not self.has_family_tilt:

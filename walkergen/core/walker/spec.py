@@ -182,9 +182,10 @@ class WalkerSpec(Section):
             The same data.
         """
         if values.get("legs.placement") == "auto":  # no legs of the mesh itself
-            data["body"] = data.pop("walker", data.get("body", {}))
-            for key in {"legs", "legs_below_mm"} - {key.partition(".")[2] for key in values}:
-                data["body"].pop(key, None)
+            body = data.pop("walker", data.get("body"))
+            dropped = {"legs", *({"legs_below_mm"} if "body.legs_below_mm" not in values else ())}
+            if isinstance(body, dict):
+                data["body"] = {key: value for key, value in body.items() if key not in dropped}
         body = data.get("body")
         former = {key: getattr(self.body, key) for key in SOURCE_KEYS}
         source = next((key for key in SOURCE_KEYS if values.get(f"body.{key}", former[key]) != former[key]), None)

@@ -121,7 +121,7 @@ def read_ply(data: bytes, source: str) -> Polygons:
     if not data.startswith(b"ply") or newline not in (b"\n", b"\r", b"\r\n"):
         raise ValueError("its first line is not the word ply")
     header, _, body = data.partition(newline + b"end_header")
-    form, elements = b"", {}
+    form, elements = b"", dict[bytes, tuple[int, list[_Property]]]()
     for words in map(bytes.split, header.split(newline)):
         if words[:1] == [b"format"]:
             form = words[1]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array, Whole
+from walkergen.core.numerics import Array, Mask, Whole
 from walkergen.core.shapes.threemf import MAX_TRIANGLES
 
 MIN_TURN = 1e-9
@@ -54,7 +54,7 @@ def check_count(count: int, source: str) -> None:
         )
 
 
-def _are_convex(corners: Array) -> Array:
+def _are_convex(corners: Array) -> Mask:
     """Return whether polygons, shape (k, n, 3), turn the same way at each corner, seen along their normals."""
     ahead = np.roll(corners, -1, axis=1) - corners
     spokes = corners - corners[:, :1]
@@ -65,7 +65,8 @@ def _are_convex(corners: Array) -> Array:
 
 def _drop_repeats(ring: Whole) -> Whole:
     """Return the corners of a polygon without those that repeat the corner before."""
-    return ring[ring != np.roll(ring, 1)]
+    distinct: Whole = ring[ring != np.roll(ring, 1)]
+    return distinct
 
 
 def _cut_polygon(corners: Array) -> Whole:

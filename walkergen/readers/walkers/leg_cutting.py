@@ -22,6 +22,9 @@ FOOT_TOLERANCE_MM = 1e-3
 
 MAX_LEGS = 100
 
+DECIMALS = 5
+"""Decimals of measured lengths, mm: files keep 32-bit floats."""
+
 MIN_STRUT_SHARE = 1e-6
 """Area of a strut's section over the largest of a leg, below which it is rounding."""
 
@@ -120,14 +123,14 @@ def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
     return Limb(
         kind,
         leg.tilt,
-        leg.length,
-        leg.thickness,
+        round(leg.length, DECIMALS),
+        round(leg.thickness, DECIMALS),
         plain.thickness_sd_mm,
         plain.brace_thickness_mm,
         "flat",
-        float(leg.foot[0]),
-        leg.z - 0.5 * depth,
-        leg.width,
+        round(float(leg.foot[0]), DECIMALS),
+        round(leg.z - 0.5 * depth, DECIMALS),
+        round(leg.width, DECIMALS),
         bottom=float(leg.anchor[1]),
         embedding=0.0,
         friction=None,

@@ -4,6 +4,7 @@ A cut slightly above the lowest point leaves a piece for each foot. The legs end
 pieces first changes: there the body begins.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple, get_args
@@ -93,7 +94,7 @@ def find_own_legs(body_key: str) -> tuple[OwnLegs, ...]:
     solid, given = leg_attachment.prepare_body(body_key).solid, rotation(body.up, body.forward, "body")
     found = []
     for up in (body.up, *(axis for axis in get_args(Axis) if axis != body.up and "up" not in body.model_fields_set)):
-        forwards = [axis for axis in ("x", "y", "z") if axis != up[-1]]
+        forwards: list[Axis] = [axis for axis in get_args(Axis)[::2] if axis != up[-1]]
         if "forward" in body.model_fields_set:
             forwards = [body.forward] if body.forward[-1] != up[-1] else []
         turns = [rotation(up, forward, "body") @ given.T for forward in forwards]
@@ -118,11 +119,11 @@ def _cut_walker(solid: manifold3d.Manifold) -> "tuple[leg_cutting.CutWalker, flo
     """Return a solid (y up) cut into body and legs, and the height of the cut, mm, or None if it stands on no legs."""
     low, high = solid.bounding_box()[1], solid.bounding_box()[4]
     below = _leg_height(lambda share: _count_pieces(solid, low + share * (high - low))) * (high - low)
-    below = np.floor(1000.0 * below) / 1000.0  # whole micrometres, a little below the body
+    below = math.floor(1000.0 * below) / 1000.0  # whole micrometres, a little below the body
     if below <= 0.0:
         return None
     try:
-        cut = leg_cutting.cut_legs(modeller.to_mesh(solid), float(below))
+        cut = leg_cutting.cut_legs(modeller.to_mesh(solid), below)
     except GeometryError:  # what is above falls apart: no body
         return None
     import shapely
@@ -132,7 +133,7 @@ def _cut_walker(solid: manifold3d.Manifold) -> "tuple[leg_cutting.CutWalker, flo
     hull = shapely.MultiPoint(feet[:, [0, 2]]).convex_hull
     stands = hull.contains(shapely.Point(weigh(cut.mesh, 1.0).centre[[0, 2]]))
     is_slender = all(leg.length >= MIN_SLENDERNESS * min(leg.thickness, leg.width) for leg in cut.legs)
-    return (cut, float(below)) if stands and is_slender else None
+    return (cut, below) if stands and is_slender else None
 
 
 def _count_pieces(solid: manifold3d.Manifold, height: float) -> int:
@@ -145,9 +146,9 @@ def _leg_height(count: Callable[[float], int]) -> float:
     feet = count(FOOT_SHARE)
     if feet < 2:
         return 0.0
-    shares = np.linspace(FOOT_SHARE, 1.0, SCAN_STEPS + 1).tolist()
-    changed = next(step for step, share in enumerate(shares) if count(share) != feet)
-    good, bad = shares[changed - 1], shares[changed]
+    shares: list[float] = np.linspace(FOOT_SHARE, 1.0, SCAN_STEPS + 1).tolist()
+    changed = next((step for step, share in enumerate(shares) if count(share) != feet), 0)
+    good, bad = shares[max(changed - 1, 0)], shares[changed]
     for _ in range(BISECTIONS):
         middle = 0.5 * (good + bad)
         good, bad = (middle, bad) if count(middle) == feet else (good, middle)
