@@ -133,12 +133,13 @@ class Quantity(NamedTuple):
         Parameters
         ----------
         confidence : float, default: 0.95
-            Between 0 and 1. Bounds that come from draws are those of 95 %, below 0.95 those of 68 %.
+            Between 0 and 1. Draws have two pairs of bounds only: those of 95 % are returned for a confidence of at
+            least 0.95, those of 68 % for a lower one.
 
         Returns
         -------
         tuple of float, or None
-            Lower and upper bound. The bias, below 0.95 half of it, is added in quadrature.
+            Lower and upper bound. The bias is added in quadrature. For a confidence below 0.95, half of it is added.
         """
         if self.ends is not None and self.value is not None:
             return (self.ends[0], self.ends[3]) if confidence >= CONFIDENCE else self.ends[1:3]

@@ -89,7 +89,7 @@ def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
 def impact(
     H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
-    """Compute the impulse and outcome of one impact of a foot. The simulation in space does not use it.
+    """Compute the impulse and outcome of one impact of a foot, for the theory. The simulation in 3D has elastic feet.
 
     H (1/g) must be positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0. `resolve` checks this,
     the kernel does not. The result is homogeneous of degree 1 in the velocity. For v_y >= 0 there is no impulse and the

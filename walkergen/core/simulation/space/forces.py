@@ -360,7 +360,10 @@ def _limit_to_cone(near, m, h):
 
 @lean
 def solve(near, H, A, m, h):
-    """Set the forces and mid-step velocities of m near contacts for a step of h seconds."""
+    """Set the forces and mid-step velocities of the m contacts in `near` for a step of h seconds.
+
+    H is their inverse mass, A memory for the linear system.
+    """
     for _ in range(MAX_CORRECTIONS):
         count = _assemble(near, H, A, m, h)
         _eliminate(A, count)

@@ -40,7 +40,7 @@ def _root_of_tip_depth(spring, tip, depth):
 
 @lean
 def response(spring, tip, depth):
-    """Return force (g mm/s^2), stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm)."""
+    """Return force F (g mm/s^2), stiffness dF/dd, and F^2 / (2 U), for the damping (g/s^2), at a depth d > 0 (mm)."""
     if tip == math.inf:
         return spring * depth, spring, spring
     x = _root_of_tip_depth(spring, tip, depth)
