@@ -1,5 +1,6 @@
 """The form of the page follows from the tables that check what people write."""
 
+import itertools
 import math
 import pickle
 import re
@@ -128,6 +129,23 @@ MESHES = [
     ),
     (None, ["place the legs automatically"]),
 ]
+
+
+def test_a_page_offers_the_legs_of_a_mesh(tmp_path):
+    """A page's walker has legs of its own, so it asks: each button gives a walker that runs."""
+    parts = [trimesh.creation.box([20.0, 8.0, 2.0])]
+    for x, y in itertools.product((-8.0, 8.0), (-3.0, 3.0)):
+        parts.append(trimesh.creation.box([0.4, 1.0, 8.0]).apply_translation((x, y, -4.5)))
+    trimesh.boolean.union(parts, engine="manifold").export(tmp_path / "own.stl")
+    values = {"body.mesh": str(tmp_path / "own.stl")}
+    with pytest.raises(WalkergenError) as error:
+        document(**values).load_design()
+    *_, last = walker_answers.format_refusal(pickle.loads(pickle.dumps(error.value.resolve_remedies())))
+    assert [remedy["words"] for remedy in last["helps"]] == ["use its 4 legs", "add legs all the same"]
+    for remedy, finished in zip(last["helps"], (True, False), strict=True):
+        design = document(**values, **remedy["values"]).load_design()
+        solids.mass_of(design)
+        assert design.is_complete_mesh is finished
 
 
 @pytest.mark.parametrize(("mesh", "words"), MESHES)

@@ -77,7 +77,8 @@ def check_without_legs(body_key: str) -> None:
     if found := find_own_legs(body_key):
         several = Remedy("add legs all the same", {"legs.placement": "auto"})
         raise GeometryError(
-            f"the mesh already stands on {found[0].number} legs",
+            f"legs.placement: the mesh already stands on {found[0].number} legs",
+            "legs.placement",
             helps=lambda: [*(own.remedy for own in found[:2]), several],
         )
 
