@@ -253,8 +253,7 @@ def _with_leg_thickness(design: Design, thickness: float | None, material: dict[
                 leg["thickness_mm"] = leg_thickness
         design = Design.model_validate(data)
     if material:
-        changed = design.material.model_copy(update=material)
-        design = design.model_copy(update={"material": changed})
+        design = design.model_copy(update={"material": design.material.model_copy(update=material)})
     return design.with_leg_thicknesses(scaled) if thickness is not None and design.is_complete_mesh else design
 
 

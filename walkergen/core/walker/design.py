@@ -133,7 +133,18 @@ class Design(WalkerSpec):
         return tuple(notes)
 
     def with_leg_thicknesses(self, thicknesses_mm: Iterable[float]) -> "Design":
-        """Return a copy of a finished walker's design whose legs have other thicknesses, as prints differ."""
+        """Return a copy of a finished walker's design whose legs have other thicknesses, as prints differ.
+
+        Parameters
+        ----------
+        thicknesses_mm : iterable of float
+            Thickness of each leg, in the order of `limbs`.
+
+        Returns
+        -------
+        Design
+            The copy. Copies of it have the thicknesses of the mesh again.
+        """
         copy, limbs = self.model_copy(), zip(self.limbs, thicknesses_mm, strict=True)
         copy.__dict__["limbs"] = tuple(limb._replace(thickness=thickness) for limb, thickness in limbs)
         return copy
