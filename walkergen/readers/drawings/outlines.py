@@ -267,4 +267,5 @@ def _orient_contour(contour: Polygon, counter_clockwise: bool) -> Polygon:
 
 
 def _format_point(point: Polygon) -> str:
-    return f"({point[0]:.6g}, {point[1]:.6g})"
+    x, y = np.round(point, 9) + 0.0  # no -1e-13
+    return f"({x:.6g}, {y:.6g})"

@@ -167,7 +167,7 @@ def _outlines(shapes: "Sequence[VisibleShape]", frame: Frame, source: str | None
                     f"{source}: a path is open: it begins at {begin} and ends at {end} of the drawing; close it (Z), "
                     "leave it out, or make a path of its stroke"
                 )
-        closed = [part.points for part in parts if part.closed or shape.fill.alpha > 0.0]
+        closed = [part.points for part in parts if len(part.points) and (part.closed or shape.fill.alpha > 0.0)]
         contours += frame.contours(filled_area(shape, frame)) if shape.clips else closed
     return contours
 
@@ -320,15 +320,13 @@ def _is_page_rectangle(shape: "VisibleShape", page: Sequence[float]) -> bool:
     from walkergen.readers.drawings.svg_areas import subpaths
     from walkergen.readers.drawings.svg_paints import WHITE
 
-    found = list(subpaths(shape, page[2])) if all(map(math.isfinite, page)) else []
-    if len(found) != 1:
-        return False
-    low, high = found[0].points.min(axis=0), found[0].points.max(axis=0)
-    fill = MIN_SHARP_FILL if shape.fill.differs(WHITE) else MIN_RECTANGLE_FILL
+    low, high = _bounding_box([shape])
     overlap = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
-    return abs(area(found[0].points)) >= fill * math.prod(high - low) and bool(
-        (overlap >= MIN_PAGE_SHARE * np.array(page[2:])).all()
-    )
+    if not (all(map(math.isfinite, page)) and (overlap >= MIN_PAGE_SHARE * np.array(page[2:])).all()):
+        return False
+    found = list(subpaths(shape, max(page[2:])))
+    share = MIN_SHARP_FILL if shape.fill.differs(WHITE) else MIN_RECTANGLE_FILL
+    return len(found) == 1 and abs(area(found[0].points)) >= share * math.prod(high - low)
 
 
 def _format_point(point: Array) -> str:

@@ -44,6 +44,7 @@ def subpaths(shape: "VisibleShape", size: float) -> Iterator[Subpath]:
         local = _subpath_points(subpath, tolerance)
         if len(local) < 2:
             continue  # a pen that is moved and draws nothing
+        local = local[np.append(True, np.any(np.diff(local, axis=0) != 0.0, axis=1))]
         points = local @ linear.T + offset
         meets = is_within_gap(points[0], points[-1], MAX_END_GAP * size)
         yield Subpath(local, points[:-1] if meets else points, meets or type(list(subpath)[-1]).__name__ == "Close")
@@ -135,16 +136,18 @@ def _stroke(subpath: Subpath, line: "Line", tolerance: float) -> "BaseGeometry":
     radius, style = 0.5 * line.width, line.style
     quarter = min(max(math.ceil(0.25 * math.pi / math.sqrt(min(2.0 * tolerance / radius, 1.0))), 4), 90)
     cap = {"round": "round", "square": "square"}.get(style.get("stroke-linecap", ""), "flat")
-    points = subpath.local[np.any(subpath.local != np.roll(subpath.local, 1, axis=0), axis=1)]
+    points = subpath.local
+    if subpath.closed and (points[0] == points[-1]).all():
+        points = points[:-1]
     if len(points) < 2:
         dot = shapely.Point(subpath.local[0])
         return shapely.Polygon() if cap == "flat" else dot.buffer(radius, quad_segs=quarter, cap_style=cap)
     if style.get("stroke-linejoin", "") == "round":
-        path = np.vstack([points, points[:1]]) if subpath.closed else subpath.local
+        path = np.vstack([points, points[:1]]) if subpath.closed else points
         return shapely.LineString(path).buffer(radius, quad_segs=quarter, cap_style=cap, join_style="round")
     is_bevel = style.get("stroke-linejoin", "") == "bevel"
     limit = 1.0 if is_bevel else parse_length(style.get("stroke-miterlimit", "4"), 0.0, 0.0, 0.0)
-    return _mitered(points if subpath.closed else subpath.local, subpath.closed, radius, limit, cap)
+    return _mitered(points, subpath.closed, radius, limit, cap)
 
 
 def _mitered(points: Array, closed: bool, radius: float, limit: float, cap: Any) -> "BaseGeometry":
