@@ -21,10 +21,7 @@ ICONS = json.loads(gzip.decompress(Path(__file__).with_name("icons.json.gz").rea
 SIDE = 480
 """Pixels of a picture's side."""
 
-POINTED = {
-    "bootstrap/cart-fill": "its wheels touch the cart in a point, where pixels join them",
-    "simple/virginatlantic": "its lines are thinner than a pixel at their ends",
-}
+POINTED = {"bootstrap/cart-fill": "its wheels touch the cart in a point, where pixels join them"}
 """Icons whose rims in the picture are apart from ours by more than 1 % of its side, and why."""
 
 

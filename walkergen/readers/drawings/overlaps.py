@@ -82,18 +82,18 @@ def separate_contours(region: Region, frame: Frame) -> tuple[list[Array], list[A
 
     Slits are closed. A point holds nothing together: the region is open there by CONTACT_RADIUS.
     """
-    region = _grow(_grow(_grow(region, -ROUNDING), 2.0 * ROUNDING), -ROUNDING)
-    contacts = find_contacts(region)
+    region = _grow(_grow(_grow(region, -ROUNDING), 2.0 * ROUNDING), -ROUNDING).simplify(MAX_CONTACT_GAP)
     slits = _grow(_grow(region, 0.5 * MAX_SLIT), -0.5 * MAX_SLIT) - region
-    discs = [Region.circle(CONTACT_RADIUS, 16).translate(point) for point in contacts]
-    cut = unite(discs)
-    wide = [
-        _grow(slit, ROUNDING)
-        for slit in slits.decompose()
-        if slit.area() > ROUNDING * MAX_SLIT and (not discs or (slit ^ cut).is_empty())
-    ]
-    region = unite([region, *wide]) - cut
-    return frame.contours(region), [frame.to_drawing(point) for point in contacts]
+    cut = _discs(find_contacts(region))
+    wide = [slit for slit in slits.decompose() if slit.area() > ROUNDING * MAX_SLIT and (slit ^ cut).is_empty()]
+    region = unite([region, *(_grow(slit, ROUNDING) for slit in wide)]).simplify(MAX_CONTACT_GAP)
+    contacts = find_contacts(region)
+    return frame.contours(region - _discs(contacts)), [frame.to_drawing(point) for point in contacts]
+
+
+def _discs(points: Sequence[Array]) -> Region:
+    """Return small discs about points."""
+    return unite([Region.circle(CONTACT_RADIUS, 16).translate(point) for point in points])
 
 
 def unite(regions: Sequence[Region]) -> Region:
@@ -110,7 +110,7 @@ def find_contacts(region: Region) -> list[Array]:
     """Return the points in which contours of a region touch themselves or each other, shape (2,) each."""
     import shapely
 
-    rings = [np.asarray(ring, dtype=np.float64) for ring in region.simplify(MAX_CONTACT_GAP).to_polygons()]
+    rings = [np.asarray(ring, dtype=np.float64) for ring in region.to_polygons()]
     if not rings:
         return []
     points, ends = np.vstack(rings), np.vstack([np.roll(ring, -1, axis=0) for ring in rings])
