@@ -1,8 +1,9 @@
 """Walkers between walls: these are found, kept out of the numbers, and never made up."""
 
+import numpy as np
 import pytest
 from boxed_tracks import Boxed, films
-from synthetic_tracks import Walker, film
+from synthetic_tracks import Walker, film, film_of
 
 from walkergen.analysis import motion, walls
 from walkergen.core.dish import OPEN_GROUND, Dish
@@ -19,7 +20,7 @@ def test_walls_are_found_and_free_motion_is_measured():
     assert found.extent == pytest.approx((150.0, 150.0), rel=0.02)
     assert 0.05 < found.contacts.value < 0.3
     seen = motion.analyse(BOX, found_walls=found)
-    assert "walls about 15" in seen.doubts[0]
+    assert "Walls found: rectangle 15" in seen.doubts[0]
     assert "equal times of free motion" in seen.method
     for name, truth in (("speed", 60.0), ("persistence_time", 2.0)):
         low, high = seen.estimates[name].interval(0.95)
@@ -38,8 +39,8 @@ def test_headings_between_walls_tell_rotational_diffusion():
 
 @pytest.mark.parametrize("wall", ["slide", "turn", "mirror"])
 def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
-    """Of 6 films an interval of 95 % misses twice or less in 97 %; without walls speeds are half the truth."""
-    made = films(3, 6, 60.0, BUG._replace(wall=wall))
+    """Of 3 films an interval of 95 % misses once or less in 99 %; without walls speeds are half the truth."""
+    made = films(3, 3, 60.0, BUG._replace(wall=wall))
     inside = {"speed": [], "persistence_time": []}
     for tracks in made:
         found = walls.find_walls(tracks)
@@ -53,7 +54,7 @@ def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
             else:
                 inside[name].append(ends[0] <= truth <= ends[1])
     for name, hits in inside.items():
-        assert hits.count(False) <= 2, name
+        assert hits.count(False) <= 1, name
 
 
 def test_walls_may_be_told():
@@ -71,10 +72,61 @@ def test_walls_may_be_told():
         Walker(lost=0.0, turn=8.0, rate=0.05),
         Walker(lost=0.0, diffusion=20.0),
         Walker(lost=0.0, rate=50.0, noise=0.0),
+        Walker(rate=0.01, turn=0.0),
+        Walker(rate=0.02, turn=1.0),
+        Walker(inertia=0.15, turn_memory=0.15),
+        Walker(lost=0.3, gap=15.0),
+        Walker(speed=0.0, noise=0.2),
     ],
-    ids=["active", "chiral", "circling", "jittering", "diffusive"],
+    ids=["active", "chiral", "circling", "jittering", "diffusive", "straight", "round", "inertial", "gaps", "at rest"],
 )
 def test_free_walkers_have_no_walls(walker):
     for seed in range(4):
         assert walls.find_walls(film(seed, 1, 40.0, walker, 0.04)) is None
         assert walls.find_walls(film(seed, 8, 20.0, walker, 0.04)) is None
+
+
+def test_the_speeds_of_three_free_walkers_have_the_error_of_their_differences():
+    """The hull of free tracks is no wall: the walkers' 45, 65 and 85 mm/s have a mean of 65 and an error of 12."""
+    walkers = [Walker(speed=speed, rate=0.02, turn=0.0, noise=0.0, lost=0.0) for speed in (45.0, 65.0, 85.0)]
+    tracks = film_of(np.random.default_rng(2), walkers, 6.0, 1 / 60, headed=False)
+    assert walls.find_walls(tracks) is None
+    speed = motion.analyse(tracks).estimates["speed"]
+    assert speed.pair == pytest.approx((65.0, 20.0 / np.sqrt(3.0)), abs=0.2)
+
+
+def test_a_round_and_a_turned_wall_are_found_with_their_sizes():
+    """Mirrored in a disc; and the box of the other tests turned by 5 deg, which the message states."""
+    rng, place, heading = np.random.default_rng(4), 0j, 0.0
+    places = []
+    for _ in range(6000):
+        places.append(place)
+        heading += 0.1 * rng.normal()
+        step = 2.0 * np.exp(1j * heading)
+        if abs(place + step) > 50.0:
+            outward = place / abs(place)
+            step -= 2.0 * (step * outward.conjugate()).real * outward
+            heading = np.angle(step)
+        place += step
+    path = np.array(places)
+    disc = BOX._replace(tracks=(BOX.tracks[0]._replace(position=np.stack([path.real, path.imag], axis=1)),))
+    found = walls.find_walls(disc).shared
+    assert found.dish.kind == "disc"
+    assert found.dish.sizes == pytest.approx((100.0,), rel=0.02)
+    angle = np.radians(5.0)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    turned = walls.find_walls(BOX._replace(tracks=(BOX.tracks[0]._replace(position=BOX.tracks[0].position @ turn),)))
+    assert turned.shared.turned_deg == pytest.approx(5.0, abs=0.3)
+    assert "turned by 4.9 deg" in turned.description
+    assert "‹arena=›open if there are none" in turned.description
+
+
+def test_tracks_that_end_at_the_edge_of_a_picture_have_no_walls():
+    """Walkers that leave the picture and come back share its edges, and pass through them."""
+    tracks = film(5, 6, 200.0, Walker(speed=60.0, rate=0.3), 0.04).tracks
+    places = [(track.position - track.position[0] + 300.0) % 600.0 - 300.0 for track in tracks]
+    seen = tuple(
+        track._replace(position=np.where((np.abs(place) < 150.0).all(axis=1)[:, None], place, np.nan))
+        for track, place in zip(tracks, places, strict=True)
+    )
+    assert walls.find_walls(BOX._replace(tracks=seen, interval=0.04)) is None

@@ -63,7 +63,10 @@ def from_motion(motion: Motion) -> dict[str, Any]:
     }
     if motion.walls is not None:
         rate, length_mm, width_mm = motion.walls.contacts, *motion.walls.extent
+        shared = motion.walls.shared
         facts["walls"] = {
+            "found": shared and shared.dish.words,
+            "passes": shared and shared.passes,
             "contacts_per_s": rate.value,
             "contacts_se_per_s": rate.se,
             "along_share": motion.walls.along,

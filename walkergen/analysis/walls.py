@@ -1,47 +1,24 @@
-"""Walls about walkers: found by the hull of their tracks, and kept out of what is measured of free motion.
+"""Walls about walkers: given, or proven by their tracks, and kept out of what is measured of free motion.
 
 A pair of times counts only if the first place is so far from every wall that none could be reached in between at the
 highest speed. To cut tracks where they meet a wall would favour walkers that turn away in time.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import lag_sums
+from walkergen.analysis import shared_edges
+from walkergen.analysis.shared_edges import SharedEdges
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.dish import Dish
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 
-BAND_DEPTH, INSIDE_DEPTH = 0.05, 0.15
-"""Depths below the hull of the tracks, as shares of its width, of a band along it and of its inside."""
-
-MIN_PLACES, MIN_VISITS, MIN_INSIDE_SHARE = 100, 4, 0.1
-"""Minimum numbers of places and of visits of the band from inside, and minimum share inside, for a hull that may be a
-wall."""
-
-MIN_CROWDING = 2.1
-"""Minimum ratio of the band's share of the places to its share of the area. Walkers along a wall have 2.2 or more, free
-ones 1.9 or less."""
-
-PRESSED_CROWDING, PRESSED_INSIDE_SHARE = 3.6, 0.01
-"""The same, and the share that is inside, of walkers that hardly leave their walls."""
-
-SLIDING_DEPTH, MIN_SLIDING_SHARE, MIN_CROSSING_SHARE, MIN_CORNERED_GIRTH = 0.01, 0.5, 0.005, 1.15
-"""Walkers that slide along walls: depth (share of the width), least share of the places within it, least share inside,
-and least squared girth of the hull over that of a disc. Free walkers have 0.42 or less within this depth, except on a
-circle, never inside and with a girth near 1 (square: 1.27)."""
-
-EVEN_CROWDING, STATIONARY_SHARES = 0.8, ((32, 0.4), (16, 0.5))
-"""The same ratio for walkers that turn back at a wall, with a constant squared displacement: from these parts of the
-longest track on, at least this share of that of unrelated places."""
-
-LAG_COUNT, LAST_LAG_DIVISOR = 12, 8
-"""Number of lags with a constant squared displacement, up to this part of the longest track."""
+MIN_PLACES = 100
+"""Minimum number of places that may show walls."""
 
 VELOCITY_S = 0.04
 """Time over which displacements are velocities, s."""
@@ -66,7 +43,7 @@ class Walls(NamedTuple):
     edges: Array
     """Edges of the hull: outward normals and their distances from the origin, mm, shape (edges, 3)."""
     dish: Dish | None
-    """Dish with given walls; None if the hull of the tracks gives them."""
+    """Dish with given walls; None if the tracks prove them, and their hull gives the distances."""
     middle: Array
     """Middle of the hull, mm."""
     closest: float
@@ -79,15 +56,25 @@ class Walls(NamedTuple):
     """Share of the time that a walker was at a wall."""
     extent: tuple[float, float]
     """Length along x and width along y of the places, mm."""
+    shared: SharedEdges | None = None
+    """Edges that prove the walls; None if these are given."""
 
     @property
     def description(self) -> str:
         """Walls, and what is measured between them, in words."""
-        size = " x ".join(formatting.format_number(width, 3) for width in self.extent)
-        source = f"of ‹arena=›{self.dish.words}" if self.dish else f"about {size} mm, by the hull of the tracks"
+        named = f"walls of ‹arena=›{self.dish.words}" if self.dish else ""
+        if self.shared is not None:
+            sizes = " x ".join(f"{size:g}" for size in self.shared.dish.sizes)
+            angle = self.shared.turned_deg
+            turned = f" turned by {angle:.1f} deg" if abs(angle) > shared_edges.MAX_TURN_DEG else ""
+            state = "Give" if turned else f"State them with ‹arena=›{self.shared.dish.words}, or"
+            named = (
+                f"Walls found: {self.shared.dish.kind} {sizes} mm{turned} ({self.shared.passes} passes share its "
+                f"edges). {state} ‹arena=›open{' if there are none' if turned else ''}. They are"
+            )
         return (
-            f"walls {source}: run into {formatting.format_with_error(*self.contacts.pair)} times a second, "
-            f"{formatting.format_number(100 * self.along, 2)} % of the time along them; numbers are of free "
+            f"{named}{'' if self.shared else ':'} run into {formatting.format_with_error(*self.contacts.pair)} times a "
+            f"second, {formatting.format_number(100 * self.along, 2)} % of the time along them; numbers are of free "
             "motion, from places without a wall in reach"
         )
 
@@ -118,14 +105,12 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     speed = float(np.quantile(lengths, SPEED_QUANTILE)) / (step * tracks.interval)
     closest = 0.0 if dish is None else float(np.quantile(_dish_distance(dish, places - middle), 1.0 - SPEED_QUANTILE))
     extent = (float(np.ptp(places[:, 0])), float(np.ptp(places[:, 1])))
-    edges, area, girth = _convex_hull(places)
-    walls = Walls(edges, dish, middle, closest, speed, Quantity("wall_contacts", "per_s", None), 0.0, extent)
-    depths = [walls.distance(track.position) for track in tracks.tracks]
-    goes_around = float(lengths.sum()) / step > girth
-    cornered = girth**2 > MIN_CORNERED_GIRTH * 4.0 * math.pi * area
-    slides = goes_around and _is_sliding(depths, width, cornered)
-    if dish is None and not slides and not _is_confining(tracks, places, depths, width, area, girth):
+    shared = None
+    if dish is None and (shared := shared_edges.find(tracks.tracks)) is None:
         return None
+    none = Quantity("wall_contacts", "per_s", None)
+    walls = Walls(_convex_hull(places), dish, middle, closest, speed, none, 0.0, extent, shared)
+    depths = [walls.distance(track.position) for track in tracks.tracks]
     size = max(float(np.median(lengths)), MIN_DEPTH_SHARE * width)
     contacts = sum(_count_visits(depth, TOUCHING_DEPTH * size, AWAY_DEPTH * size) for depth in depths)
     seconds = len(places) * tracks.interval
@@ -133,42 +118,6 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     return walls._replace(
         contacts=rate, along=float((np.concatenate(depths) < TOUCHING_DEPTH * size).sum()) / len(places)
     )
-
-
-def _is_sliding(depths: Sequence[Array], width: float, cornered: bool) -> bool:
-    """Return whether walkers mostly slide along their hull, and cross it or follow its corners (`cornered`).
-
-    `depths` below the hull by track, and its `width`, mm.
-    """
-    depth = np.concatenate(depths)
-    depth = depth[~np.isnan(depth)]
-    visits = sum(_count_visits(each, BAND_DEPTH * width, INSIDE_DEPTH * width) for each in depths)
-    thin, inside = (depth < SLIDING_DEPTH * width).mean(), (depth > INSIDE_DEPTH * width).mean()
-    return bool(thin > MIN_SLIDING_SHARE and (cornered or (visits and inside > MIN_CROSSING_SHARE)))
-
-
-def _is_confining(
-    tracks: Tracks, places: Array, depths: Sequence[Array], width: float, area: float, girth: float
-) -> bool:
-    """Return whether the hull holds walkers back; `depths` below it by track, its width and perimeter in mm."""
-    band = BAND_DEPTH * width
-    visits = sum(_count_visits(depth, band, INSIDE_DEPTH * width) for depth in depths)
-    depth = np.concatenate(depths)
-    depth = depth[~np.isnan(depth)]
-    inside = float((depth > INSIDE_DEPTH * width).mean())
-    crowding = float((depth < band).mean()) * area / (band * girth - math.pi * band**2)
-    if visits < MIN_VISITS or inside < (PRESSED_INSIDE_SHARE if crowding > PRESSED_CROWDING else MIN_INSIDE_SHARE):
-        return False
-    return crowding > MIN_CROWDING or (crowding > EVEN_CROWDING and _is_stationary(tracks, places))
-
-
-def _is_stationary(tracks: Tracks, places: Array) -> bool:
-    """Return whether squared displacements are those of unrelated `places` (mm), from short lags on."""
-    longest = max(len(track.position) for track in tracks.tracks)
-    lags = lag_sums.log_spaced_lags(longest // LAST_LAG_DIVISOR, LAG_COUNT, max(longest // STATIONARY_SHARES[0][0], 1))
-    squares, pairs = np.sum([lag_sums.sum_squares(track.position, lags) for track in tracks.tracks], axis=0)
-    share = squares / np.maximum(pairs, 1.0) / (2.0 * float(places.var(axis=0).sum()))
-    return all((share[lags >= longest // part] > least).all() for part, least in STATIONARY_SHARES)
 
 
 def _count_visits(depth: Array, near: float, away: float) -> int:
@@ -197,8 +146,8 @@ def _displacements(track: Track, step: int) -> Array:
     return moved
 
 
-def _convex_hull(places: Array) -> tuple[Array, float, float]:
-    """Return edges (see `Walls.edges`), area (mm^2) and perimeter (mm) of the hull of places, less a few outermost."""
+def _convex_hull(places: Array) -> Array:
+    """Return the edges (see `Walls.edges`) of the hull of places, less a few outermost."""
     from scipy.spatial import ConvexHull
 
     fewest = (1.0 - MAX_OUTLIER_SHARE) * len(places)
@@ -208,7 +157,7 @@ def _convex_hull(places: Array) -> tuple[Array, float, float]:
         if len(inner) < fewest:
             break
         places, hull = inner, ConvexHull(inner)
-    return np.asarray(hull.equations * (1.0, 1.0, -1.0)), float(hull.volume), float(hull.area)
+    return np.asarray(hull.equations * (1.0, 1.0, -1.0))
 
 
 def _dish_distance(dish: Dish, places: Array) -> Array:
