@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import walkergen as wg
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
 
@@ -36,3 +37,98 @@ def test_times_of_day_are_seconds(tmp_path, name, mark, format_time):
     found = read(tmp_path, "\n".join(mark.join(row) for row in [(name, "x_mm", "y_mm"), *rows]))
     assert found.interval == pytest.approx(INTERVAL_S)
     np.testing.assert_allclose(found.tracks[0].position[:, 0], STEP_MM * np.arange(9))
+
+
+SPEED, SECONDS, FPS = 60.0, 20.0, 30
+
+
+def film_rows(seed=2, walkers=3, speeds=(SPEED,) * 4):
+    """Rows of time (s), x, y (mm) and walker, by frame, of walkers that turn at random, filmed with noise."""
+    rng, rows = np.random.default_rng(seed), []
+    for walker in range(walkers):
+        heading = rng.uniform(-np.pi, np.pi) + np.cumsum(0.1 * rng.normal(size=round(SECONDS * FPS)))
+        steps = speeds[walker] / FPS * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+        places = 100.0 * (walker + 1) + np.cumsum(steps, axis=0) + 0.05 * rng.normal(size=steps.shape)
+        rows.append(np.column_stack([np.arange(len(places)) / FPS, places, np.full(len(places), walker)]))
+    return np.stack(rows, axis=1)
+
+
+def measure(tmp_path, rows):
+    lines = (f"{t:.6f},{x:.5f},{y:.5f},{walker:.0f}\n" for t, x, y, walker in rows.reshape(-1, 4) if not np.isnan(t))
+    (tmp_path / "tracks.csv").write_text("t_s,x_mm,y_mm,particle\n" + "".join(lines))
+    return wg.analyse(tmp_path / "tracks.csv")
+
+
+def speed_holds(report):
+    low, high = report.speed.interval()
+    return low - 0.05 < SPEED < high + 0.05 and high - low < 1.0
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (-1.0, -1.0)])
+def test_lost_walkers_stored_at_one_place_are_counted_and_left_out(tmp_path, place):
+    rows = film_rows()
+    lost = np.random.default_rng(1).random(rows.shape[:2]) < 0.05
+    rows[lost, 1:3] = place
+    report = measure(tmp_path, rows)
+    assert any(f"{lost.sum()} places at" in note for note in report.notes)
+    assert speed_holds(report)
+
+
+def test_a_walker_that_passes_the_origin_is_not_lost_there(tmp_path):
+    rows = film_rows(walkers=1)
+    rows[..., 1:3] -= rows[300, :, 1:3]
+    assert not any("lost frames" in note for note in measure(tmp_path, rows).notes)
+
+
+def test_frames_that_repeat_the_one_before_are_counted(tmp_path):
+    """Left out if the camera went on meanwhile: walkers then catch up. Else only named: the time is unknown."""
+    rows = film_rows()
+    at = np.arange(7, len(rows), 20)
+    rows[at, :, 1:3] = rows[at - 1, :, 1:3]
+    report = measure(tmp_path, rows)
+    assert any(
+        f"{len(at)} of {len(rows)} frames repeat the one before, and walkers catch up" in n for n in report.notes
+    )
+    assert speed_holds(report)
+    held = np.repeat(film_rows(), np.where(np.arange(len(rows)) % 20 == 7, 2, 1), axis=0)
+    held[..., 0] = np.arange(len(held))[:, None] / FPS
+    report = measure(tmp_path, held)
+    assert any(
+        "frames repeat the one before: if the film holds these twice, speeds are 4.8 %" in n for n in report.notes
+    )
+
+
+def test_irregular_times_are_counted_and_used(tmp_path):
+    rows = film_rows()
+    late = np.random.default_rng(3).uniform(-0.3, 0.3, len(rows))[:, None] / FPS
+    ahead = np.diff(rows[..., 1:3], axis=0, append=rows[-1:, :, 1:3]) * FPS
+    rows[..., 0] += late
+    rows[..., 1:3] += ahead * late[..., None]
+    report = measure(tmp_path, rows)
+    (note,) = [note for note in report.notes if "times are irregular" in note]
+    assert f"of {rows.shape[0] * rows.shape[1]} times" in note
+    assert report.speed.value == pytest.approx(SPEED, abs=0.5)  # between frames noise is less
+
+
+def test_a_walker_at_rest_is_named_and_counts_in_no_mean(tmp_path):
+    report = measure(tmp_path, film_rows(walkers=4, speeds=(SPEED, SPEED, 0.0, SPEED)))
+    assert speed_holds(report)
+    assert any("1 of 4 walkers rest and are in no number: 2" in note for note in report.notes)
+    assert report.facts["speed_walkers"] == "3 of 4 walkers"
+    assert "(3 of 4 walkers)" in report.markdown()
+    (cell,) = [row[-1] for row in report.tables[0].rows if row[0] == "speed_mm_s"]
+    assert cell == "3 of 4 walkers"
+    assert "rests" in report.motion.walkers[2].mean("speed").refused
+
+
+def test_a_mean_over_fewer_walkers_has_their_number_beside_it(tmp_path):
+    rows = film_rows()
+    rows[90:, 1] = np.nan
+    report = measure(tmp_path, rows)
+    assert report.facts["speed_walkers"] == "2 of 3 walkers"
+    assert "(2 of 3 walkers)" in report.markdown()
+    rows[90:, 2] = np.nan
+    facts = measure(tmp_path, rows).facts
+    assert facts["lane_speed_walkers"] == "1 of 3 walkers"
+    assert "speed_walkers" not in facts  # without headings it is that of all steps of all walkers
+    assert "speed_walkers" not in measure(tmp_path, film_rows()).facts

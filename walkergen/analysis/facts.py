@@ -25,6 +25,8 @@ def from_motion(motion: Motion) -> dict[str, Any]:
         estimate = motion.estimates[name]
         facts |= _estimate_facts(name, estimate)
         facts[f"{name}_scale_se_{unit}"] = scale_se(estimate, motion)
+        if estimate.value is not None and name in motion.counted:
+            facts[f"{name}_walkers"] = motion.counted[name]
     facts |= {
         "refused": {
             column: reason

@@ -8,6 +8,8 @@ reported.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from operator import attrgetter
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +45,11 @@ FREE_PLACES_SHARE = 0.2
 """Share of the free places between walls for the longest lag: during it, no wall is within their reach."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
+
+REST_LAG_DIVISORS, MAX_REST_SHARE = (8, 16, 32), 0.03
+"""Parts of the longest track over which walkers at rest move least, and their displacement over the largest."""
+MAX_NAMED, REST_WORDS = 10, "rest and are in no number"
+"""Largest number of walkers at rest that are named, and what is stated of them."""
 
 
 class Curve(NamedTuple):
@@ -93,6 +100,8 @@ class Motion(NamedTuple):
     scale_se: float | None = 0.0
     """Common error of all lengths, as a share of them (that of `Tracks`), in addition to the errors of
     the estimates; None if unknown."""
+    counted: Mapping[str, str] = MappingProxyType({})
+    """Number of walkers, such as "1 of 3 walkers", of each estimate that is of fewer than the file has, by its name."""
     walls: Walls | None = None
     """Walls around the walkers; None if none were found. With walls all numbers are of motion out of their reach."""
 
@@ -135,12 +144,27 @@ def analyse(
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: refusal(name, reason) for name in UNITS}
     return all_tracks._replace(
-        estimates=refused, method=analyses[0].method, msd_fit=None, by_plate_speed=tuple(speeds), line=line
+        estimates=refused,
+        method=analyses[0].method,
+        doubts=[
+            *(doubt for doubt in all_tracks.doubts if REST_WORDS not in doubt),
+            *(
+                f"the speed at a plate speed of {plate:g} mm/s is of {analysis.counted['speed']}"
+                for plate, analysis in zip(plates, analyses, strict=True)
+                if "speed" in analysis.counted
+            ),
+        ],
+        msd_fit=None,
+        by_plate_speed=tuple(speeds),
+        line=line,
+        walkers=sorted((walker for each in analyses for walker in each.walkers), key=attrgetter("particle")),
     )
 
 
 def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, descent: float | None) -> Motion:
     """Compute the statistics of tracks at one plate speed; arguments as in `analyse`."""
+    count, resting = len(tracks.tracks), _resting_walkers(tracks)
+    tracks = tracks._replace(tracks=tuple(track for track in tracks.tracks if track.particle not in resting))
     groups, length = moments.independent_samples(tracks.tracks)
     if not groups:
         raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
@@ -229,9 +253,13 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
     if headed and not tracks.lane:
         estimates |= aligned
     correlation = _jackknife_curve(grid.turn_lags, [np.abs(values) for values in turn], length)
+    compared = comparison.means if comparison else _speed_means(means_of_walkers, None, settings) if in_pieces else {}
+    fewer = dict.fromkeys(UNITS, count - len(resting)) | dict.fromkeys(
+        compared, comparison.walkers if comparison else 1
+    )
     return Motion(
         estimates=estimates,
-        particles=len(tracks.tracks),
+        particles=count,
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
@@ -240,6 +268,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
             *([found_walls.description] if found_walls else []),
             *_misfit_doubts(fit),
             *_scatter_doubts(estimates, descent),
+            *_rest_doubts(resting, count),
         ],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
@@ -248,9 +277,42 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         detrend_time_s=own_s,
         parallel=_density_curve(grid.bins[0], [sample.density_along for sample in all_sums]),
         orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in all_sums]),
-        walkers=means_of_walkers,
+        walkers=sorted([*means_of_walkers, *resting.values()], key=attrgetter("particle")),
+        counted={name: f"{few} of {count} walkers" for name, few in fewer.items() if few < count},
         walls=found_walls,
     )
+
+
+def _resting_walkers(tracks: Tracks) -> dict[int, WalkerMeans]:
+    """Return the walkers that move far less than the fastest, by number, each with the reason why it is left out.
+
+    A walker's size is its largest root mean square displacement over parts of the longest track.
+    """
+    longest = max(len(track.position) for track in tracks.tracks)
+    steps = [max(longest // divisor, 1) for divisor in REST_LAG_DIVISORS]
+    sizes = {}
+    for track in tracks.tracks:
+        squares = [
+            (track.position[step:] - track.position[:-step]) ** 2 for step in steps if step < len(track.position)
+        ]
+        found = [np.nanmean(square.sum(axis=1)) for square in squares if not np.isnan(square).any(axis=1).all()]
+        if found:
+            sizes[track.particle] = math.sqrt(max(found))
+    least = MAX_REST_SHARE * max(sizes.values(), default=0.0)
+    reason = f"rests: moves less than {100 * MAX_REST_SHARE:g} % of the fastest, and is left out"
+    return {
+        track.particle: WalkerMeans(
+            track.particle, (len(track.position) - 1) * tracks.interval, {"speed": refusal("speed", reason)}
+        )
+        for track in tracks.tracks
+        if sizes.get(track.particle, math.inf) < least
+    }
+
+
+def _rest_doubts(resting: Mapping[int, WalkerMeans], count: int) -> list[str]:
+    """Return the note on walkers that rest; [] without any."""
+    numbers = ", ".join(map(str, list(resting)[:MAX_NAMED]))
+    return [f"{len(resting)} of {count} walkers {REST_WORDS}: {numbers}"] if resting else []
 
 
 def _effective_freedom(parts: Sequence[Moments], lag_index: int) -> float:

@@ -235,10 +235,11 @@ def _error_if_correlated(blocks: Array, block_s: float, piece_s: float) -> tuple
 
 
 def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
-    """Return means and scatter over walkers seen for long enough; None if fewer than two, or one has no speed."""
+    """Return means and scatter over walkers that have a speed and are seen for long enough; None if fewer than two."""
     longest = max(walker.seconds for walker in all_walkers)
     walkers = [walker for walker in all_walkers if walker.seconds >= MIN_TIME_SHARE * longest]
-    if len(walkers) < 2 or any(walker.mean("speed").value is None for walker in walkers):
+    walkers = [walker for walker in walkers if walker.mean("speed").value is not None]
+    if len(walkers) < 2:
         return None
     means = {}
     for name in walkers[0].means:

@@ -39,8 +39,8 @@ def from_times(path: Path, table: Columns, name: str) -> Tracks:
     """
     interval, ticks, off_grid = _sample_ticks(path, table, name)
     note = ""
-    if {"frame", "particle"} <= set(table.values) and off_grid.any():
-        table, note = _resample_regularly(table)
+    if off_grid.any():
+        table, note = _resample_regularly(table, int(off_grid.sum()))
         interval, ticks, off_grid = _sample_ticks(path, table, name)
     if off_grid.any():
         raise InputError(
@@ -61,12 +61,13 @@ def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
     return _build_tracks(path, table, frames - frames.min(), 1.0 / fps)
 
 
-def _resample_regularly(table: Columns) -> tuple[Columns, str]:
+def _resample_regularly(table: Columns, irregular: int) -> tuple[Columns, str]:
     """Interpolate the rows to whole multiples of the median time between frames; return them and a note.
 
+    `irregular`: number of rows whose times are off a regular rate.
     Times without frames stay empty. Between two frames, the noise of a position has down to half its variance.
     """
-    order = np.lexsort((table.values["time"], table.values["particle"]))
+    order = np.lexsort((table.values["time"], _particle_numbers(table)))
     table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
     steps, near = _row_steps(table)
     if not near.any():
@@ -90,8 +91,8 @@ def _resample_regularly(table: Columns) -> tuple[Columns, str]:
         values[name] = column[rows] + np.where(change == 0.0, 0.0, share * change)
     low, high = (1e3 * float(end(steps[near])) for end in (np.min, np.max))
     note = (
-        f"the film's rate varies, {low:.3g} to {high:.3g} ms from frame to frame: places are taken "
-        f"between its frames, every {1e3 * interval:.3g} ms"
+        f"the film's rate varies, {low:.3g} to {high:.3g} ms from frame to frame ({irregular} of {len(times)} times "
+        f"are irregular): places are taken between its frames, every {1e3 * interval:.3g} ms"
     )
     return Columns(values, table.lines[rows], table.bad), note
 
@@ -99,7 +100,9 @@ def _resample_regularly(table: Columns) -> tuple[Columns, str]:
 def _row_steps(table: Columns) -> tuple[Array, Mask]:
     """Return the times from row to row (s), and which of them join neighbouring frames of one particle."""
     steps = np.diff(table.values["time"])
-    near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
+    near = np.diff(_particle_numbers(table)) == 0
+    if "frame" in table.values:
+        near &= np.diff(table.values["frame"]) == 1
     return steps, near & (steps > 0)
 
 

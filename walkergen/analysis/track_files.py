@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import sampling, track_columns, track_formats
+from walkergen.analysis import lost_frames, sampling, track_columns, track_formats
 from walkergen.analysis.track_columns import (
     ANGLE_UNITS_RAD,
     LENGTH_UNITS_MM,
@@ -62,12 +62,17 @@ class _Given(NamedTuple):
 
 
 def read_tracks(path: Path, units: Units) -> Tracks:
-    """Read the tracks of a file.
+    """Read the tracks of a file, without places of lost and of repeated frames.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
     usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`,
     which also explains how columns were interpreted.
     """
+    return lost_frames.drop(_read_all(path, units))
+
+
+def _read_all(path: Path, units: Units) -> Tracks:
+    """Read the tracks of a file with all their places. Raises InputError as `read_tracks`."""
     given = _parse_units(units.unit)
     source = track_formats.read_source(path, units.lane)
     if source.program == WALKERGEN_PROGRAM:

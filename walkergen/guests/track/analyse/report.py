@@ -47,9 +47,9 @@ class AnalysisReport(Report):
         return self.estimates["speed"]
 
 
-ESTIMATE_COLUMNS = ("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused")
+ESTIMATE_COLUMNS = ("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused", "walkers")
 """Columns of analysis.csv: a number with its unit, its error, and that by the scale of the film, which
-all lengths share; refused is the reason why it is not known."""
+all lengths share; refused is the reason why it is not known, walkers their number if it is not of all."""
 
 SPEED_COLUMNS = ("speed_mm_s", "speed_se_mm_s")
 WALKER_COLUMNS = (
@@ -98,7 +98,10 @@ def _tables(motion: Motion) -> Iterator[Table]:
     """Yield the tables of a motion: estimates, walkers, and speeds by plate speed or curves."""
     estimates = {number.column: number for number in map(motion.estimates.__getitem__, UNITS)}
     rows = [
-        (key, number.value, number.se, facts.scale_se(number, motion), *facts.interval_bounds(number), number.refused)
+        (
+            *(key, number.value, number.se, facts.scale_se(number, motion)),
+            *(*facts.interval_bounds(number), number.refused, _walker_count(number, motion)),
+        )
         for key, number in estimates.items()
     ]
     if motion.by_plate_speed:
@@ -110,7 +113,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
     value = value._replace(cell=lambda row: _format_with_scale(estimates[row[0]], motion))
     columns = [name, unit, value, bounds]
     readable = [
-        row for row in rows if row[-1] not in (LANE_REASON, HEADINGS_KNOWN_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON)
+        row for row in rows if row[-2] not in (LANE_REASON, HEADINGS_KNOWN_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON)
     ]
     yield Table("analysis", rows, ESTIMATE_COLUMNS, columns, "Motion", read=readable)
     yield _walker_table(motion)
@@ -118,10 +121,16 @@ def _tables(motion: Motion) -> Iterator[Table]:
 
 
 def _format_with_scale(number: Quantity, motion: Motion) -> str:
-    """Format a value with its error and, if the film's scale has an error, the error due to it."""
+    """Format a value with its error, that due to the film's scale, and the number of walkers if it is not of all."""
     by_scale = facts.scale_se(number, motion)
     scale = f" ± {formatting.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
-    return quantity_format.format_value(number) + scale
+    count = _walker_count(number, motion)
+    return quantity_format.format_value(number) + scale + (f" ({count})" if count else "")
+
+
+def _walker_count(number: Quantity, motion: Motion) -> str:
+    """Return the number of walkers of a value that is not of all, such as "1 of 3 walkers", else ""."""
+    return "" if number.value is None else motion.counted.get(number.key, "")
 
 
 def _plate_speed_table(motion: Motion) -> Table:
