@@ -35,12 +35,25 @@ def parse_measured(entry: Any) -> Measured:
     return value, error if errors else None
 
 
+def parse_tracks(value: Any) -> Any:
+    """Return one or several file names or patterns such as `*.npz` as a list of paths; other values are unchanged."""
+    many = isinstance(value, (list, tuple)) and bool(value) and isinstance(value[0], (str, os.PathLike))
+    return parse_paths(value) if many or isinstance(value, (str, os.PathLike)) else value
+
+
 def parse_paths(value: Any) -> list[Path]:
-    """Return one or several file names as a list of paths. Raises ValueError for other values."""
+    """Return one or several file names, or patterns of them, as a list of paths. Raises ValueError for other values."""
     paths = split_values(value) if not isinstance(value, (str, os.PathLike)) else [value]
     if not all(isinstance(path, (str, os.PathLike)) for path in paths):
         raise ValueError("must be names of files")
-    return [Path(path) for path in paths]
+    return [path for text in paths for path in _expand_pattern(Path(text))]
+
+
+def _expand_pattern(path: Path) -> list[Path]:
+    """Return the files that match a pattern, which not every shell expands; the path itself if it has none."""
+    if not re.search(r"[*?\[]", str(path)) or path.exists():
+        return [path]
+    return sorted(Path(path.anchor).glob(str(path.relative_to(path.anchor)))) or [path]
 
 
 Fps = Annotated[float | None, Flag("Frames per second of the film.", "N")]

@@ -6,6 +6,7 @@ import pytest
 import walkergen as wg
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
+from walkergen.core.errors import InputError
 
 STEP_MM, INTERVAL_S = 2.4, 0.04
 
@@ -128,7 +129,43 @@ def test_a_mean_over_fewer_walkers_has_their_number_beside_it(tmp_path):
     assert report.facts["speed_walkers"] == "2 of 3 walkers"
     assert "(2 of 3 walkers)" in report.markdown()
     rows[90:, 2] = np.nan
-    facts = measure(tmp_path, rows).facts
-    assert facts["lane_speed_walkers"] == "1 of 3 walkers"
-    assert "speed_walkers" not in facts  # without headings it is that of all steps of all walkers
+    assert "speed_walkers" not in measure(tmp_path, rows).facts  # without headings it is that of all steps
     assert "speed_walkers" not in measure(tmp_path, film_rows()).facts
+
+
+@pytest.fixture
+def animals(tmp_path):
+    """A file of columns for each walker, as TRex writes them; the second is first seen 40 frames later."""
+    rows = film_rows(seed=4)
+    for walker, first in ((0, 0), (1, 40), (2, 0)):
+        frames = np.arange(first, len(rows))
+        x, y = rows[first:, walker, 1:3].T
+        np.savez(tmp_path / f"film_fish{walker}.npz", frame=frames, x_mm=x, y_mm=y)
+    return rows
+
+
+def test_files_of_single_walkers_are_one_recording(run, tmp_path, animals):
+    """As one table of all walkers: the same numbers. The shell may not expand a pattern."""
+    whole = animals.copy()
+    whole[:40, 1] = np.nan
+    together = measure(tmp_path, whole)
+    apart = wg.analyse(tmp_path / "film_fish*.npz", fps=FPS)
+    assert apart.speed.pair == pytest.approx(together.speed.pair, rel=1e-4)
+    assert [track.start for track in track_files.read_recording(sorted(tmp_path.glob("*.npz")), Units(FPS)).tracks] == [
+        *(0, 40, 0)
+    ]
+    assert "3 files are taken as one recording with the same clock" in apart.notes[-1]
+    assert [walker["name"] for walker in apart.facts["walkers"]] == [f"film_fish{n}" for n in range(3)]
+    names = [str(tmp_path / f"film_fish{n}.npz") for n in range(3)]
+    shown = run("analyse", *names, "--fps", "30", "--no-pictures", "--out", str(tmp_path / "out"))
+    assert shown.exit_code == 0
+    assert "film_fish2" in shown.stdout
+    listed = wg.analyse(names, fps=FPS)
+    assert listed.speed == apart.speed
+    crowd = wg.analyse(names, fps=FPS, dish="disc:90000")
+    assert crowd.facts["walkers"] == 3
+    for name, step in (("slow", 0.05), ("fast", 0.03)):
+        rows = "".join(f"{step * frame:g},{frame},1\n" for frame in range(9))
+        (tmp_path / f"{name}.csv").write_text("t_s,x_mm,y_mm\n" + rows)
+    with pytest.raises(InputError, match="files of one recording need one frame rate"):
+        wg.analyse([tmp_path / "slow.csv", tmp_path / "fast.csv"])

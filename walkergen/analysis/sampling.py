@@ -48,7 +48,8 @@ def from_times(path: Path, table: Columns, name: str) -> Tracks:
             f"other rows, {interval:g} s apart; sample at a fixed rate"
         )
     tracks = _build_tracks(path, table, np.rint(ticks), interval)
-    return tracks._replace(note="; ".join(line for line in (note, tracks.note) if line))
+    lines = "; ".join(line for line in (note, tracks.note) if line)
+    return tracks._replace(note=lines, first_s=float(table.values["time"].min()))
 
 
 def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
@@ -58,7 +59,7 @@ def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
     if not len(table.lines):
         raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(table.bad)}")
     frames = table.values["frame"]
-    return _build_tracks(path, table, frames - frames.min(), 1.0 / fps)
+    return _build_tracks(path, table, frames - frames.min(), 1.0 / fps)._replace(first_s=float(frames.min()) / fps)
 
 
 def _resample_regularly(table: Columns, irregular: int) -> tuple[Columns, str]:

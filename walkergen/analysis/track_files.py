@@ -10,6 +10,7 @@ from x toward y_mm, the walker moves in space, seen from above. Without it y_mm 
 """
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,13 +26,16 @@ from walkergen.analysis.track_columns import (
     WALKERGEN_PROGRAM,
     Source,
 )
-from walkergen.analysis.tracks import Tracks
+from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting, safe_text
 from walkergen.core.files.columns import Columns
 
 MIN_UNIT, MAX_UNIT = 1e-6, 1e9
 """Limits of frames per second, and of millimetres in a pixel."""
+
+MAX_RATE_ERROR = 1e-3
+"""Relative difference of frame rates up to which files are of one recording."""
 
 MAX_TURN_RAD = 2.0 * math.pi + 1e-3
 """Heading, rad, beyond which a column without a unit may hold degrees: a turn."""
@@ -69,6 +73,53 @@ def read_tracks(path: Path, units: Units) -> Tracks:
     which also explains how columns were interpreted.
     """
     return lost_frames.drop(_read_all(path, units))
+
+
+def read_recording(paths: Sequence[Path], units: Units) -> Tracks:
+    """Read several files as tracks of one recording with one clock. Raises InputError as `read_tracks`."""
+    films = [read_tracks(path, units) for path in paths]
+    if len(films) == 1:
+        return films[0]
+    interval, origin = min(film.interval for film in films), min(film.first_s for film in films)
+    unique = len({path.stem for path in paths}) == len(paths)
+    tracks: list[Track] = []
+    names = {}
+    for path, film in zip(paths, films, strict=True):
+        stride = round(film.interval / interval)
+        if film.lane != films[0].lane or abs(film.interval / interval - stride) > MAX_RATE_ERROR * stride:
+            raise InputError(
+                f"{path}: has a sample every {1e3 * film.interval:.4g} ms, and another file every "
+                f"{1e3 * interval:.4g} ms: files of one recording need one frame rate. Analyse them one by one."
+            )
+        late = round((film.first_s - origin) / interval)
+        for track in film.tracks:
+            name = safe_text.shorten_line(path.stem if unique else str(path))
+            names[len(tracks)] = name if len(film.tracks) == 1 else f"{name} {track.particle}"
+            spread = track._replace(particle=len(tracks), start=track.start * stride + late)
+            tracks.append(_spread_samples(spread, stride))
+    notes = [f"{len(films)} files are taken as one recording with the same clock", *(film.note for film in films)]
+    errors = [film.scale_se for film in films]
+    return Tracks(
+        tuple(tracks),
+        interval,
+        sum(film.bad_rows for film in films),
+        "; ".join(dict.fromkeys(note for note in notes if note)),
+        None if None in errors else max(error or 0.0 for error in errors),
+        origin,
+        names,
+    )
+
+
+def _spread_samples(track: Track, stride: int) -> Track:
+    """Return a track with `stride` - 1 samples without a place between two of its own."""
+    if stride == 1:
+        return track
+    position = np.full(((len(track.position) - 1) * stride + 1, track.position.shape[1]), np.nan)
+    position[::stride] = track.position
+    heading = None if track.heading is None else np.full(len(position), np.nan)
+    if heading is not None:
+        heading[::stride] = track.heading
+    return track._replace(position=position, heading=heading)
 
 
 def _read_all(path: Path, units: Units) -> Tracks:

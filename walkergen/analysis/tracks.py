@@ -1,6 +1,7 @@
 """Tracks of walkers: places and headings at regular times, filmed or simulated."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 from walkergen.core.numerics import Array, Mask, Whole
@@ -38,6 +39,10 @@ class Tracks(NamedTuple):
     scale_se: float | None = 0.0
     """Standard error of the scale, as a share of it. It changes all lengths together. None if
     unknown; the largest one of a file with several."""
+    first_s: float = 0.0
+    """Time of the first sample on the file's clock, s."""
+    names: Mapping[int, str] = MappingProxyType({})
+    """Names of the walkers by their numbers, if each comes from a file of its own."""
 
     @property
     def lane(self) -> bool:

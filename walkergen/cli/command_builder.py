@@ -191,7 +191,8 @@ def _parameter(request: "type[Request]", field: str) -> Parameter:
         name = f"{name}/--no-{name.removeprefix('--')}" if default else name
         shown["show_default"] = False
     elif flag.repeats:
-        kind, default = list[kind] | None, None  # type: ignore[valid-type]
+        needed = info.is_required()
+        kind, default = (list[kind], Parameter.empty) if needed else (list[kind] | None, None)  # type: ignore[valid-type]
     elif info.is_required():
         default = Parameter.empty
     elif default is None:

@@ -48,14 +48,16 @@ def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequenc
 
 
 def analyse(
-    path: Path, units: Units, crowd: FilmedCrowd, folder: Path | None, pictures: bool, progress: Progress
+    files: Sequence[Path], units: Units, crowd: FilmedCrowd, folder: Path | None, pictures: bool, progress: Progress
 ) -> Report:
     """Read tracks, measure the crowd and, if there is a folder, write tables and figures.
+
+    `files` are those of the first run.
 
     Writes crowd.csv, crowd.md, tables of its course, its runs and its curves, figures as PNG and
     PDF, the last frame from above, and manifest.json. Raises InputError before anything is written.
     """
-    paths = (path, *crowd.others)
+    paths, path = (tuple(files), *((other,) for other in crowd.others)), files[0]
     films = []
     for number, each in enumerate(paths):
         progress("reading", number, len(paths) + 1)
@@ -78,21 +80,21 @@ def analyse(
                 from walkergen.guests.crowd import movie as crowd_movie
 
                 target.write("crowd_above.png", crowd_movie.render_still(films[0], path.name))
-            files = [each.name for each in paths]
+            names = [each.name for run in paths for each in run]
             facts = {"dish": crowd.dish.words, "middle_mm": list(crowd.middle)}
-            target.finish({"files": files, **units._asdict(), **facts})
+            target.finish({"files": names, **units._asdict(), **facts})
     return report
 
 
-def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
-    """Read a file of tracks as a film whose origin is the middle of the dish.
+def _read_film(paths: Sequence[Path], units: Units, crowd: FilmedCrowd) -> CrowdFilm:
+    """Read the files of a run as a film whose origin is the middle of the dish.
 
     Raises
     ------
     InputError
         For walkers in a lane, or if more than MAX_OUTSIDE_SHARE of the positions lie outside the walls.
     """
-    read = track_files.read_tracks(path, units)
+    read, path = track_files.read_recording(paths, units), paths[0]
     if read.lane:
         raise InputError(f"‹dish›: {path} has walkers in a lane. A crowd needs a plane.")
     made = film.from_tracks(read, crowd.dish, crowd.contours)

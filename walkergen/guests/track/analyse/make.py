@@ -1,5 +1,6 @@
 """Analysis of tracks: from a file of tracks to a report of their motion, and a folder of it."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from walkergen.analysis import motion, track_files, walls
@@ -12,7 +13,7 @@ from walkergen.guests.track.analyse.report import AnalysisReport
 
 
 def analyse(
-    path: Path,
+    paths: Sequence[Path],
     units: Units,
     lag_s: float | None,
     arena: Dish | None,
@@ -21,7 +22,7 @@ def analyse(
     pictures: bool,
     progress: Progress,
 ) -> AnalysisReport:
-    """Read tracks, measure their motion and, if there is a folder, write tables and figures.
+    """Read tracks of one or several files, measure their motion and, if there is a folder, write tables and figures.
 
     `lag_s`: lag of displacements, None for the default. Walls are those of an `arena`, or those that the tracks show.
     The plate descends toward `descent` (rad), or is level if None. Writes analysis.csv, analysis.md, walkers.csv,
@@ -29,17 +30,18 @@ def analyse(
     as PNG and PDF, manifest.json. Raises InputError before anything is written.
     """
     progress("reading", 0, 3)
-    read = track_files.read_tracks(path, units)
+    read = track_files.read_recording(paths, units)
     progress("measuring", 1, 3)
     measured = motion.analyse(read, lag_s, walls.find_walls(read, arena), descent)._replace(scale_se=read.scale_se)
-    analysis = report.make_report(read, measured, path.name, folder)
+    more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
+    analysis = report.make_report(read, measured, paths[0].name + more, folder)
     if folder is not None:
         with Folder(folder) as target:
             progress("drawing", 2, 3)
             analysis.write(target, pictures)
             target.finish(
                 {
-                    "file": path.name,
+                    "file": ", ".join(path.name for path in paths),
                     **units._asdict(),
                     "lag_s": measured.lag_s,
                     "arena": arena and arena.words,

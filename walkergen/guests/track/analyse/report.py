@@ -74,7 +74,9 @@ def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None 
     reasons = [*track_warnings.find_all(tracks), *motion.doubts, track_warnings.describe_scale_error(motion.scale_se)]
     lines = [motion.method, fit, *reasons, tracks.note]
     notes = [f"{line}." for line in lines if line]
-    more = {"bad_rows": tracks.bad_rows, "notes": notes}
+    found = facts.from_motion(motion) | {"bad_rows": tracks.bad_rows, "notes": notes}
+    for walker in found["walkers"] if tracks.names else ():
+        walker["name"] = tracks.names[walker["particle"]]
     hidden = len(motion.walkers) - MAX_WALKERS
     counted = [f"and {hidden} more walkers in walkers.csv"] if hidden > 0 else []
     headless = sum(number.refused == NO_HEADINGS_REASON for number in motion.estimates.values())
@@ -84,8 +86,8 @@ def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None 
         name="analysis",
         title=title,
         caption=f"{title}, displacements within {1e3 * motion.lag_s:g} ms",
-        tables=list(_tables(motion)),
-        facts=facts.from_motion(motion) | more,
+        tables=list(_tables(motion, tracks.names)),
+        facts=found,
         lines=[*counted, *_describe_line(motion), *notes],
         figures={name: partial(draw, name) for name in _figure_names(motion)},
         folder=folder,
@@ -94,7 +96,7 @@ def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None 
     )
 
 
-def _tables(motion: Motion) -> Iterator[Table]:
+def _tables(motion: Motion, names: Mapping[int, str]) -> Iterator[Table]:
     """Yield the tables of a motion: estimates, walkers, and speeds by plate speed or curves."""
     estimates = {number.column: number for number in map(motion.estimates.__getitem__, UNITS)}
     rows = [
@@ -107,7 +109,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
     if motion.by_plate_speed:
         yield _plate_speed_table(motion)
         yield Table("analysis", rows, ESTIMATE_COLUMNS)
-        yield _walker_table(motion)
+        yield _walker_table(motion, names)
         return
     name, unit, value, bounds = quantity_format.columns(lambda row: estimates[row[0]])
     value = value._replace(cell=lambda row: _format_with_scale(estimates[row[0]], motion))
@@ -116,7 +118,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
         row for row in rows if row[-2] not in (LANE_REASON, HEADINGS_KNOWN_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON)
     ]
     yield Table("analysis", rows, ESTIMATE_COLUMNS, columns, "Motion", read=readable)
-    yield _walker_table(motion)
+    yield _walker_table(motion, names)
     yield from _curve_tables(motion)
 
 
@@ -146,24 +148,26 @@ def _plate_speed_table(motion: Motion) -> Table:
     return Table("plate_speed", rows, PLATE_SPEED_COLUMNS, columns, "Speed by plate speed")
 
 
-def _walker_table(motion: Motion) -> Table:
-    """Return the table of single walkers; the report prints the first ones."""
+def _walker_table(motion: Motion, names: Mapping[int, str]) -> Table:
+    """Return the table of single walkers, with their names if they have any; the report prints the first ones."""
     rows, by_number = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
         speed, turning = (walker.mean(name) for name in WALKER_ESTIMATES)
         numbers = (speed.value, speed.se, *facts.interval_bounds(speed), turning.value, turning.se)
-        rows.append((walker.particle, walker.seconds, *numbers, speed.refused))
+        name = (names[walker.particle],) if names else ()
+        rows.append((walker.particle, walker.seconds, *numbers, speed.refused, *name))
     turns = any("turning_bias" in walker.means for walker in motion.walkers)
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
-        Column("walker", lambda row: str(row[0])),
+        Column("walker", lambda row: names.get(row[0], str(row[0]))),
         Column("seen (s)", lambda row: formatting.format_number(row[1], 3), right=True),
         *(
             Column(heading, _walker_cell(name, by_number))
             for heading, name in zip(headings, WALKER_ESTIMATES, strict=False)
         ),
     ]
-    return Table("walkers", rows, WALKER_COLUMNS, columns, "Walkers", read=rows[:MAX_WALKERS])
+    keys = (*WALKER_COLUMNS, "name") if names else WALKER_COLUMNS
+    return Table("walkers", rows, keys, columns, "Walkers", read=rows[:MAX_WALKERS])
 
 
 def _walker_cell(name: str, by_number: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:

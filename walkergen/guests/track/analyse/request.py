@@ -28,8 +28,8 @@ class AnalyseRequest(request.Request):
     from x toward y. Files of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ and
     Tracker are read too. Units are in the names (x_mm, "X (cm)"), or are given with --fps, --mm-per-px and --unit. A
     simulation writes its tracks with the option trajectory. Tracks at several plate speeds need a column
-    plate_speed_mm_s. Python also accepts the result of track() or simulate().trajectory(), a frame of pandas, or a
-    mapping of columns.
+    plate_speed_mm_s. Several files, such as one for each animal, are one recording with one clock. Python also
+    accepts the result of track() or simulate().trajectory(), a frame of pandas, or a mapping of columns.
 
     With --dish the walkers are a crowd. Its packing, clusters, order and fluctuations are measured, with errors from
     independent runs (--run), and no single walker.
@@ -50,7 +50,11 @@ class AnalyseRequest(request.Request):
 
     by_position: ClassVar = ("tracks",)
 
-    tracks: Annotated[Any, request.File, Flag("File of tracks of walkers.", "TRACKS.csv", takes="Any", argument=True)]
+    tracks: Annotated[
+        Any,
+        BeforeValidator(film_fields.parse_tracks),
+        Flag("Files of tracks of one recording.", "TRACKS.csv", takes="Any", argument=True, repeats=True),
+    ]
     fps: film_fields.Fps = None
     mm_per_px: film_fields.MmPerPx = None
     unit: film_fields.Unit = None
@@ -94,13 +98,13 @@ class AnalyseRequest(request.Request):
 
     def run(self, progress: Progress) -> "AnalysisReport":
         """Measure single walkers or, with `dish`, a crowd, whose report has another class."""
-        if isinstance(self.tracks, Path):
-            return self._measure_file(self.tracks, progress)
+        if isinstance(self.tracks, list) and self.tracks and all(isinstance(path, Path) for path in self.tracks):
+            return self._measure_files(self.tracks, progress)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / UNNAMED_TRACKS
             path.write_text(_to_csv(self.tracks), encoding="utf-8")
             try:
-                return self._measure_file(path, progress)
+                return self._measure_files([path], progress)
             except InputError as error:  # the user did not name that file
                 raise InputError(error.text.replace(str(path), UNNAMED_TRACKS), "tracks") from None
 
@@ -110,8 +114,8 @@ class AnalyseRequest(request.Request):
 
         return None if self.arena is None else dish.OPEN_GROUND if self.arena == "open" else dish.parse_dish(self.arena)
 
-    def _measure_file(self, path: Path, progress: Progress) -> "AnalysisReport":
-        """Measure the tracks of a file."""
+    def _measure_files(self, paths: list[Path], progress: Progress) -> "AnalysisReport":
+        """Measure the tracks of one recording."""
         from walkergen.core.files import output
 
         if self.dish is None:
@@ -119,7 +123,7 @@ class AnalyseRequest(request.Request):
         else:
             self.check_unset("works only for single walkers, not with ‹dish›", "lag_ms", "arena", "descent_deg")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
-        folder = output.result_folder(path, self.out, "analysis") if self.out or self._shell else None
+        folder = output.result_folder(paths[0], self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.guests.track.analyse import make
 
@@ -127,11 +131,11 @@ class AnalyseRequest(request.Request):
             descent = None if self.descent_deg is None else math.radians(self.descent_deg)
             if descent is not None and self.y_down:
                 descent = -descent  # as all angles of the file
-            return make.analyse(path, units, lag_s, self._parse_walls(), descent, folder, self.pictures, progress)
+            return make.analyse(paths, units, lag_s, self._parse_walls(), descent, folder, self.pictures, progress)
         from walkergen.guests.crowd import film_analysis
 
         crowd = film_analysis.parse_crowd(self.dish, self.body, self.middle, self.runs)
-        return film_analysis.analyse(path, units, crowd, folder, self.pictures, progress)  # type: ignore[return-value]
+        return film_analysis.analyse(paths, units, crowd, folder, self.pictures, progress)  # type: ignore[return-value]
 
 
 def _to_csv(tracks: Any) -> str:
