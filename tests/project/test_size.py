@@ -17,25 +17,25 @@ SLACK = 200
 """Number of lines that a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5320,
+    "walkergen/analysis": 5720,
     "walkergen/api": 310,
     "walkergen/app": 2670,
     "walkergen/cli": 880,
     "walkergen/commands": 8340,
     "walkergen/core": 17920,
     "walkergen/files": 1540,
-    "walkergen/guests/crowd": 7290,
+    "walkergen/guests/crowd": 7300,
     "walkergen/guests/lab": 5000,
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2290,
-    "walkergen/guests/track": 3620,
+    "walkergen/guests/track": 3640,
     "walkergen/points": 3220,
-    "walkergen/readers": 6230,
+    "walkergen/readers": 6240,
     "walkergen/sheets": 540,
     "benchmarks": 2760,
     "docs": 690,
     "evidence": 8000,
-    "tests": 40050,
+    "tests": 40420,
 }
 
 

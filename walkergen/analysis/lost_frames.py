@@ -64,7 +64,7 @@ def _lost_place(tracks: Sequence[Track]) -> Array | None:
         runs = sum(int((np.diff(_is_lost(track.position, place).astype(int)) > 0).sum()) for track in tracks)
         first = sum(bool(_is_lost(track.position, place)[0]) for track in tracks)
         if runs + first >= least:
-            return place
+            return np.asarray(place)
     return None
 
 

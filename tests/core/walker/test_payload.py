@@ -315,7 +315,7 @@ def test_marks_that_pockets_take_away_are_refused():
 
 def test_pockets_are_in_no_drawing_for_a_laser_cutter():
     for name in CARRIERS:
-        with pytest.raises(InputError, match=r"no profile .* pockets \(motor, battery\)"):
+        with pytest.raises(InputError, match=r"no drawing .* pockets \(motor, battery\)"):
             profile.drawing_outlines(load_walker(name))
 
 

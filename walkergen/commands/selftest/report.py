@@ -18,7 +18,7 @@ COLUMNS = (
 
 DISTRUSTED: Mapping[str, str] = {
     SPACE: "speeds and tracks from simulate, crowd, movie and explain, and those that predict simulates",
-    IMPACT_LAW: "speeds from the theory: predict --model theory and the columns of eq. 15",
+    IMPACT_LAW: "speeds from the theory: predict ‹model=›theory and the columns of eq. 15",
     GEOMETRY: "masses, inertias and printed files, and every speed that is computed from them",
 }
 """Numbers that a failed case puts in doubt, by its subject."""
@@ -45,7 +45,7 @@ def make_report(results: Sequence[Result], whole: bool, all: bool = False) -> Re
             "partial": not whole,
         },
         headline=_headline(results, len(failed)),
-        lines=[*_subject_lines(results), *_failure_lines(failed), *([] if all or failed else ["each case: --all"])],
+        lines=[*_subject_lines(results), *_failure_lines(failed), *([] if all or failed else ["each case: ‹all›"])],
     )
 
 
