@@ -18,6 +18,9 @@ STEP_PATTERN = r"[A-Za-z_]\w*(\[[0-9]{1,4}\])?"
 KEY_PATTERN = re.compile(rf"{STEP_PATTERN}(\.{STEP_PATTERN})*")
 MAX_CHARACTERS = 10_000
 
+BARE_NUMBER_PATTERN = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?")
+"""Numbers that begin or end with the point, which TOML does not read."""
+
 
 def split_key_value(text: str) -> tuple[str, str]:
     """Split "KEY=VALUE" into key and value, as written. Raises InputError."""
@@ -38,8 +41,12 @@ def split_key_value(text: str) -> tuple[str, str]:
 def parse_value(text: str) -> Any:
     """Return the TOML value of a text, or the text itself if it is no TOML, such as the bare word braced.
 
+    Numbers may begin or end with the point: .25 and 2.
+
     Raises InputError for an invalid list or table: a shell removes quotes.
     """
+    if BARE_NUMBER_PATTERN.fullmatch(text):
+        return float(text)
     try:
         data = parse_toml(f"value = {text}")
     except ValueError:  # no TOML; a number of more digits than Python reads

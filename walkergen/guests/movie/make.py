@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from walkergen.core import Design, Expect, Expected, InputError, Progress, Scene, ignore_estimate, mass_of, prepare
-from walkergen.core.files import output
+from walkergen.core.files import formatting, output
 from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.files.report import Report
@@ -14,7 +14,7 @@ from walkergen.guests.movie import report
 from walkergen.guests.movie.film import Film, MovieFiles, file_name, plan_film
 from walkergen.guests.movie.request import MovieRequest
 from walkergen.guests.movie.shot import Shot, Title, make_shot
-from walkergen.points import effect_selection, poses
+from walkergen.points import effect_selection, poses, run_time
 from walkergen.request import choose_scene
 
 if TYPE_CHECKING:
@@ -31,6 +31,9 @@ ABOVE_POSES_PER_FRAME = 4
 
 WRITE_TIME_RATIO = 1.5
 """Time to draw and write a frame, over the time to draw it."""
+
+MAX_SIMULATION_S = 600.0
+"""Largest CPU time of a film's simulation, s, estimated from its steps and the plate's periods."""
 
 HOLD_S = 1.5
 """Duration of the last frame before the GIF starts again, s."""
@@ -61,6 +64,7 @@ def make_movie(
     from walkergen.files import animation
     from walkergen.guests.movie import impacts
 
+    _check_simulation_time(film)
     draw, frames, shots = _prepare_drawing(film, progress)
     colours = impacts.movie_colours(max(len(design.limbs) for design in film.members))
     expect(lambda: _expected_time(draw, frames))
@@ -74,6 +78,19 @@ def make_movie(
         if mp4 is not None and encoded.mp4 is not None:
             target.write(mp4.name, encoded.mp4)
     return MovieFiles(path, mp4, encoded.without_mp4, frames, shots)
+
+
+def _check_simulation_time(film: Film) -> None:
+    """Raise InputError for a film whose simulation would take longer than MAX_SIMULATION_S."""
+    scene = film.scene
+    rates = (run_time.rate_from_steps(prepare(scene, design, mass_of(design))) for design in film.members)
+    cpu_s = sum(rates) * (scene.run.discard_seconds + film.seconds)
+    if cpu_s > MAX_SIMULATION_S:
+        raise InputError(
+            f"drive.frequency_hz = {scene.drive.frequency:g}: the simulation of this film would take about "
+            f"{formatting.format_duration(cpu_s)}, and may take {formatting.format_duration(MAX_SIMULATION_S)}. Lower "
+            "the frequency or ‹seconds›."
+        )
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:
