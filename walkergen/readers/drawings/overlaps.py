@@ -120,11 +120,8 @@ def find_contacts(region: Region) -> list[Array]:
     following += np.repeat(starts, list(map(len, rings)))
     corner, edge = shapely.STRtree(edges).query(shapely.points(points), predicate="dwithin", distance=MAX_CONTACT_GAP)
     corner = corner[(corner != edge) & (corner != following[edge])]
-    found: list[Array] = []
-    for point in points[corner]:
-        if all(np.hypot(*(point - other)) > CONTACT_RADIUS for other in found):
-            found.append(point)
-    return found
+    near = shapely.union_all(shapely.points(points[corner]).tolist()).buffer(0.5 * CONTACT_RADIUS)
+    return [np.array(part.centroid.coords[0]) for part in shapely.get_parts(near) if not part.is_empty]
 
 
 def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":

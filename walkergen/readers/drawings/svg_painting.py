@@ -28,14 +28,24 @@ def paint(coats: Sequence[Coat], paper: Colour | None = None, depth: int = 0) ->
     With `paper`, opaque colours that differ from it may all become black, where no clear coat follows. `depth` is the
     number of layers around the coats.
     """
-    painted: Painted = []
     clear = [index for index, coat in enumerate(coats) if coat.colour.alpha < 1.0 or coat.layers[depth:]]
-    simple = [
-        coat._replace(colour=BLACK if coat.colour.differs(paper) else paper)
-        for coat in coats[max(clear, default=-1) + 1 :]
-        if paper
-    ]
-    coats = [*coats[: len(coats) - len(simple)], *simple]
+    opaque = coats[max(clear, default=-1) + 1 :]
+    if paper:
+        opaque = [coat._replace(colour=BLACK if coat.colour.differs(paper) else paper) for coat in opaque]
+    if not clear and len(opaque) <= 2:
+        return _paint_in_turn(opaque, depth)
+    # In halves: each opaque coat on all that is below it would take quadratic time.
+    half = 0 if clear else len(opaque) // 2
+    below = coats[: len(coats) - len(opaque)] if clear else opaque[:half]
+    painted = (_paint_in_turn if clear else paint)(below, depth=depth)
+    for area, colour in paint(opaque[half:], depth=depth):
+        painted = _add_coat(painted, area, colour)
+    return painted
+
+
+def _paint_in_turn(coats: Sequence[Coat], depth: int) -> Painted:
+    """Paint coats one after the other over nothing."""
+    painted: Painted = []
 
     def group_key(coat: Coat) -> tuple[Layer | None, Colour | None]:
         """Return what coats that are painted at once share: a layer, or an opaque colour."""
