@@ -136,7 +136,7 @@ def from_file(
         notes += ("united paths that cross or touch",)
     if contacts:
         places = ", ".join(map(_format_point, contacts[:3])) + (", ..." if len(contacts) > 3 else "")
-        notes += (f"nothing joins what touches only in a point, at {places} mm",)
+        notes += (f"parts touch only in a point, and stay apart there: {places} mm",)
     return Outline(polygons, notes)
 
 
