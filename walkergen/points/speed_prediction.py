@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING, Literal
 
 from walkergen.core.files.progress import Expected, Progress, silent
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects.effect import Case
-from walkergen.core.simulation.effects.resolve import resolve
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import Prediction
 from walkergen.core.theory.speed import Mode
@@ -34,12 +32,11 @@ def predict(
     """Predict the mean speed of one walker from the surrogate or, outside its domain, from a short simulation.
 
     With model "known" nothing is simulated: a row outside the domain has a stored speed or none. With "theory" it has
-    the theory's speed only. Raises InputError if walker and scene contradict each other, as a simulation does, or if a
-    simulation would take minutes, and TheoryError for an unknown mode.
+    the theory's speed only. Raises InputError if a walker to simulate contradicts its scene or would take minutes,
+    TheoryError for an unknown mode.
     """
     if model == "theory":
         return prediction.make_row(design, mass, scene, mode, None)
-    resolve(Case(scene, design, mass))
     try:
         return prediction.predict(design, mass, scene, mode)
     except UnknownError as reason:
