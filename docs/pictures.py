@@ -61,7 +61,7 @@ REPRODUCE = "python -m evidence reproduce --seconds 6 --gamma 1.5,1.8"
 VALIDATE = "python -m evidence validate"
 CROWD = "walkergen crowd koumakis2016 --count 30 --arena disc:170 --seconds 2 --runs 2"
 GALLERY = {
-    "koumakis2016": "the paper's walker: thin tilted legs",
+    "koumakis2016": "thin tilted legs (Koumakis et al., 2016)",
     "maker-large": "twice as large, for thick nozzles",
     "bristle": "18 short flexible legs",
     "rotator": "left legs lean back, right ones ahead: it turns",
@@ -80,8 +80,10 @@ GALLERY_PAGE = """# Gallery
 
 ![Twelve walkers and their predicted speeds](gallery.png)
 
-The speed is the median of prints ± one standard deviation. The last column makes the files: `family` writes an STL and
-a 3MF of each tilt, a picture and a table of speeds. `walkergen templates copy NAME my.toml` copies a template to edit.
+The speed is the median of prints ± one standard deviation. The *scene* is what the walker runs on: `lane-90hz` is a
+lane shaken at 90 Hz, `table-motor` a still table. The last column makes the files: `family` writes an STL and a 3MF of
+each tilt, a picture and a table of speeds. `heart.svg` is a drawing of yours.
+`walkergen templates copy NAME my.toml` copies a template to edit.
 
 | walker | what it is | predicted speed | scene | command |
 |---|---|---|---|---|

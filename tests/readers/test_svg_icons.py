@@ -157,4 +157,4 @@ def test_bodies_as_programs_draw_them(body, tmp_path):
     outline = from_file(path)
     assert sum(map(area, outline.polygons)) == pytest.approx(PROGRAMS[body], rel=1e-4)
     assert np.ptp(np.vstack(outline.polygons), axis=0) == pytest.approx((28.0, 8.0), rel=1e-6)
-    assert ("touches only in a point, at (14, 0) mm" in "".join(outline.notes)) == ("evenodd" in body)
+    assert ("touch only in a point, and stay apart there: (14, 0) mm" in "".join(outline.notes)) == ("evenodd" in body)

@@ -78,11 +78,11 @@ class _Walker(NamedTuple):
 
 
 def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
-    """Add to rows with tracks their speed and standard error (mm/s), and return notes on them.
+    """Replace each row that names tracks by one row per walker, with its speed and standard error (mm/s).
 
-    All walkers of a film share the error of its scale. Each carries it times the root of their
-    number, so that their mean carries it once. Raises InputError for tracks that cannot be read, for
-    rows that have a speed as well, and for a walker in two rows.
+    The second result has notes. The n walkers of a film share the error of its scale: each standard error includes it
+    times sqrt(n), so that the error of their mean includes it once. Raises InputError for tracks that cannot be read,
+    for rows that have a speed as well, and for a walker in two rows.
     """
     names = _track_names(path)
     has_tracks = np.array([int(line) in names for line in table.lines], bool)

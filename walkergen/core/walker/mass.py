@@ -218,7 +218,7 @@ def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, ce
 
 
 def to_centre_frame(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> Array:
-    """Return points of the design's frame, shape (n, 2), relative to O, mm. `limbs` are the legs in that frame."""
+    """Return points (n, 2) of the design's frame relative to O, the body's centre of mass, mm. `limbs`: its legs."""
     O = np.array(limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
     return np.asarray(points) - O
 

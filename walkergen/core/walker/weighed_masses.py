@@ -130,7 +130,7 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
 
 
 def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
-    """Return parts with masses in a file that `read_masses` leaves out: other walkers of the same designs.
+    """Return the parts with a mass in the file that belong to none of `members`, such as walkers of another tilt.
 
     Raises InputError for a file that is no table of masses.
     """

@@ -96,7 +96,9 @@ def _read_film(paths: Sequence[Path], units: Units, crowd: FilmedCrowd) -> Crowd
     """
     read, path = track_files.read_recording(paths, units), paths[0]
     if read.lane:
-        raise InputError(f"‹dish›: {path} has walkers in a lane. A crowd needs a plane.")
+        raise InputError(
+            f"‹dish›: only for walkers on a plane, but {path} has walkers in a lane. Remove ‹dish› or ‹lane›."
+        )
     made = film.from_tracks(read, crowd.dish, crowd.contours)
     made = made._replace(x=made.x - crowd.middle[0], y=made.y - crowd.middle[1])
     seen = np.isfinite(made.x)

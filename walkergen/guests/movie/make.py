@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from walkergen.core import Design, Expect, Expected, InputError, Progress, Scene, ignore_estimate, mass_of, prepare
-from walkergen.core.files import formatting, output
+from walkergen.core.files import output
 from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.files.report import Report
@@ -88,8 +88,7 @@ def _check_simulation_time(film: Film) -> None:
     if cpu_s > MAX_SIMULATION_S:
         raise InputError(
             f"drive.frequency_hz = {scene.drive.frequency:g}: the simulation of this film would take about "
-            f"{formatting.format_duration(cpu_s)}, and may take {formatting.format_duration(MAX_SIMULATION_S)}. Lower "
-            "the frequency or ‹seconds›."
+            f"{cpu_s / 60.0:.3g} minutes, and may take {MAX_SIMULATION_S / 60.0:g}. Lower the frequency or ‹seconds›."
         )
 
 

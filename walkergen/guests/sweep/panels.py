@@ -265,7 +265,7 @@ def _label_positions(axes: Axes, lines: Sequence[Array]) -> list[Array]:
 
 
 def draw_scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
-    """Draw points in the plane of two keys, coloured by their number, crosses for missing numbers."""
+    """Draw each row in the plane of two keys, coloured by its value: doubtful values as rings, missing as crosses."""
     good = ~columns.missing & ~columns.doubtful
     look: Any = {"cmap": colour_map(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
     across, up, doubtful = x.row_positions, y.row_positions, columns.doubtful

@@ -113,7 +113,7 @@ def _least_inertia(case: Case) -> float:
 
 
 def motor_position(case: Case) -> Vector:
-    """Return the middle of the motor in body axes, from O, mm."""
+    """Return the middle of the motor (along, up, across) from O, the body's centre of mass, mm."""
     motor = case.design.driving_motor()
     x, y = to_centre_frame(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm

@@ -131,7 +131,7 @@ def _format_with_scale(number: Quantity, motion: Motion) -> str:
 
 
 def _walker_count(number: Quantity, motion: Motion) -> str:
-    """Return the number of walkers of a value that is not of all, such as "1 of 3 walkers", else ""."""
+    """Return a text such as "1 of 3 walkers" for a value measured on only some of the walkers, else ""."""
     return "" if number.value is None else motion.counted.get(number.key, "")
 
 
