@@ -104,7 +104,9 @@ def test_paths_that_cross_or_touch_are_united(tmp_path, name):
 def test_parts_that_touch_in_a_point_are_two_pieces(tmp_path):
     path = svg(tmp_path, "M0 0L10 5L20 0V10L10 5L0 10Z")
     design = load_shape(path)
-    assert "touch only in a point, and stay apart there: (10, -5) mm; joined 2 pieces by a base plate" in design.notes[0]
+    assert (
+        "touch only in a point, and stay apart there: (10, -5) mm; joined 2 pieces by a base plate" in design.notes[0]
+    )
     solids.build(design)
     with pytest.raises(GeometryError, match=r"touch only in a point, at \(10, -5\) mm. Let .* body.repair"):
         design.variant(**{"body.repair": False})
