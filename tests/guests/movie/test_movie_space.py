@@ -393,7 +393,7 @@ def test_the_bending_of_legs_is_magnified_below_the_plate():
     at, corner = np.unravel_index(one.poses.gaps.argmin(), one.poses.gaps.shape)
     glows = [None] * one.poses.gaps.shape[1]
     corners = one.poses.corners[at] - centres[at]
-    perspective._update_close_view(close, one, at, centres[at], corners, glows)
+    perspective._update_close_view(close, one, perspective.Seen(at, centres[at], corners, glows))
     seen = np.column_stack(close.edges[corner // 2].get_data())[corner % 2]
     foot = corners[corner] * (1.0, 0.0, 1.0)
     foot[1] = close.bend * one.poses.gaps[at, corner]

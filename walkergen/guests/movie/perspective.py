@@ -54,6 +54,18 @@ MAX_LABELS = 8
 GROUND_COLOUR, LINE_COLOUR = "#e4e4e1", "#c9c9c5"
 
 
+class Seen(NamedTuple):
+    """What views show of one pose of a run."""
+
+    pose: int
+    centre: Array
+    """Centre of the views, shape (3,), mm."""
+    corners: Array
+    """Corners of the feet from the centre, shape (c, 3), mm."""
+    glows: list[tuple[Impact, float] | None]
+    """For each corner the impact to show and its brightness (0 to 1), or None."""
+
+
 class View(NamedTuple):
     """View of the walker on the plate in perspective: its camera and the artists that change with each frame."""
 
@@ -110,8 +122,9 @@ def make_draw_function(shot: Shot, poses_per_frame: int, slow: float, settings: 
             for corner in range(len(shot.poses.names))
         ]
         corners = shot.poses.corners[pose] - centres[pose]
-        _update_view(main, shot, pose, centres[pose], corners, glows)
-        _update_close_view(close, shot, pose, centres[pose], corners, glows)
+        seen = Seen(pose, centres[pose], corners, glows)
+        _update_view(main, shot, seen)
+        _update_close_view(close, shot, seen)
         now.set_xdata([1e3 * shot.times[pose]] * 2)
         over = f"   {shot.end_reason}" if pose + poses_per_frame >= len(shot.times) else ""
         heading = f"   heading {np.degrees(shot.poses.heading[pose]):+.1f}°"
@@ -249,40 +262,22 @@ def _corner_courses(shot: Shot) -> list[Course]:
     ]
 
 
-def _update_view(
-    view: View, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
-) -> None:
-    """Change the plate's lines, the dots and the flashes of a view to those of one pose.
-
-    Parameters
-    ----------
-    view : View
-        View to change.
-    shot : Shot
-        Run that is shown.
-    pose : int
-        Index of the pose.
-    centre : ndarray
-        Centre of the view, shape (3,), mm.
-    corners : ndarray
-        Corners of the feet from the centre, shape (c, 3), mm.
-    glows : list
-        For each corner the impact to show and its brightness (0 to 1), or None.
-    """
-    view.lines.set_segments(_plate_lines(view, shot, centre))
-    seen = view.camera.project(corners)[:, :2]
-    heading, largest = shot.poses.heading[pose], largest_impulse(shot)
+def _update_view(view: View, shot: Shot, seen: Seen) -> None:
+    """Change the plate's lines, the dots and the flashes of a view to those of one pose."""
+    view.lines.set_segments(_plate_lines(view, shot, seen.centre))
+    dots = view.camera.project(seen.corners)[:, :2]
+    heading, largest = shot.poses.heading[seen.pose], largest_impulse(shot)
     for k, flash in enumerate(view.flashes):
-        view.dots[k].set_data(*seen[k][:, None])
-        view.dots[k].set_visible(bool(shot.poses.closed[pose, k]))
+        view.dots[k].set_data(*dots[k][:, None])
+        view.dots[k].set_visible(bool(shot.poses.closed[seen.pose, k]))
         for artist in flash:
-            artist.set_visible(glows[k] is not None)
-        if (glow := glows[k]) is not None:
+            artist.set_visible(seen.glows[k] is not None)
+        if (glow := seen.glows[k]) is not None:
             hit, brightness = glow
             along, up = hit.impulse / largest * view.longest
             push = np.array([along * math.cos(heading), up, -along * math.sin(heading)])
-            tail = view.camera.project(corners[k] - push)[:2]
-            show_flash(flash, hit, brightness, largest, tail, seen[k])
+            tail = view.camera.project(seen.corners[k] - push)[:2]
+            show_flash(flash, hit, brightness, largest, tail, dots[k])
 
 
 def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
@@ -298,31 +293,13 @@ def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
     return list(view.camera.project(np.array(segments, float))[..., :2])
 
 
-def _update_close_view(
-    close: CloseView, shot: Shot, pose: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
-) -> None:
-    """Change the view of the feet to the pose with index `pose`, with heights and bending magnified.
-
-    Parameters
-    ----------
-    close : CloseView
-        View to change.
-    shot : Shot
-        Run that is shown.
-    pose : int
-        Index of the pose.
-    centre : ndarray
-        Centre of the view, shape (3,), mm.
-    corners : ndarray
-        Corners of the feet from the centre, not magnified, shape (c, 3), mm.
-    glows : list
-        For each corner the impact to show and its brightness (0 to 1), or None.
-    """
-    gaps = shot.poses.gaps[pose]
-    on_plate = corners * (1.0, 0.0, 1.0)
+def _update_close_view(close: CloseView, shot: Shot, seen: Seen) -> None:
+    """Change the view of the feet to one pose, with heights and bending magnified."""
+    gaps = shot.poses.gaps[seen.pose]
+    on_plate = seen.corners * (1.0, 0.0, 1.0)
     magnified = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
     raised = on_plate + np.outer(magnified, (0.0, 1.0, 0.0))
-    _update_view(close.view, shot, pose, centre, raised, glows)
+    _update_view(close.view, shot, seen._replace(corners=raised))
     project = close.view.camera.project
     tips, feet = project(raised)[:, :2], project(on_plate)[:, :2]
     for side, edge in enumerate(close.edges):
