@@ -135,24 +135,6 @@ def test_loops_of_more_corners_are_cut(tmp_path):
     assert volume_of(tmp_path, "u.stl", "\n".join(lines).encode())[0] == pytest.approx(area(U_SHAPE) * HEIGHT)
 
 
-@pytest.mark.parametrize(
-    ("data", "told"),
-    [
-        (text_stl()[:700], "loops begin and"),
-        (text_stl().replace(b"vertex 14 4 1.5", b"vertex 14 4", 1), "is no sound STL file"),
-        (text_stl().replace(b"vertex 14 4 1.5", b"vertex 14 4 1,5", 1), "could not convert string to float: b'1,5'"),
-        (text_stl().replace(b"vertex 14 4 1.5", b"vertex 14 4 nan", 1), "are not finite numbers"),
-        (b"solid part\nendsolid part\n", "contains no triangles"),
-        (b"solid part", "contains no triangles"),
-        (b"", "is no binary STL file"),
-        (b"hello", "is no binary STL file"),
-    ],
-)
-def test_broken_stl_is_named(tmp_path, data, told):
-    with pytest.raises(InputError, match=told):
-        volume_of(tmp_path, "part.stl", data)
-
-
 TYPES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d"}
 TYPES |= {"uint8": "B", "int32": "i", "float64": "d"}
 FORMS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
@@ -269,20 +251,32 @@ def test_off_of_any_kind_is_read(tmp_path, shape, kind):
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("name", "data", "told"),
     [
-        (off(prism(L_SHAPE), word="4OFF"), "is not OFF as text"),
-        (off(prism(L_SHAPE), word="OFF BINARY"), "is not OFF as text"),
-        (off(prism(L_SHAPE), word="nOFF"), "is not OFF as text"),
-        (off(prism(L_SHAPE))[:-30], "is no sound OFF file"),
-        (b"OFF\n3 2000000000 0\n", "2000000000 triangles"),
-        (b"", "is no sound OFF file"),
-        (b"OFF", "is no sound OFF file"),
+        ("part.stl", text_stl()[:700], "loops begin and"),
+        ("part.stl", text_stl().replace(b"vertex 14 4 1.5", b"vertex 14 4", 1), "is no sound STL file"),
+        (
+            "part.stl",
+            text_stl().replace(b"vertex 14 4 1.5", b"vertex 14 4 1,5", 1),
+            "could not convert string to float: b'1,5'",
+        ),
+        ("part.stl", text_stl().replace(b"vertex 14 4 1.5", b"vertex 14 4 nan", 1), "are not finite numbers"),
+        ("part.stl", b"solid part\nendsolid part\n", "contains no triangles"),
+        ("part.stl", b"solid part", "contains no triangles"),
+        ("part.stl", b"", "is no binary STL file"),
+        ("part.stl", b"hello", "is no binary STL file"),
+        ("part.off", off(prism(L_SHAPE), word="4OFF"), "is not OFF as text"),
+        ("part.off", off(prism(L_SHAPE), word="OFF BINARY"), "is not OFF as text"),
+        ("part.off", off(prism(L_SHAPE), word="nOFF"), "is not OFF as text"),
+        ("part.off", off(prism(L_SHAPE))[:-30], "is no sound OFF file"),
+        ("part.off", b"OFF\n3 2000000000 0\n", "2000000000 triangles"),
+        ("part.off", b"", "is no sound OFF file"),
+        ("part.off", b"OFF", "is no sound OFF file"),
     ],
 )
-def test_other_off_is_named(tmp_path, data, told):
+def test_broken_stl_and_other_off_are_named(tmp_path, name, data, told):
     with pytest.raises(InputError, match=told):
-        volume_of(tmp_path, "part.off", data)
+        volume_of(tmp_path, name, data)
 
 
 @pytest.mark.parametrize("tilted", [False, True])
