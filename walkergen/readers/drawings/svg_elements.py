@@ -175,7 +175,7 @@ class Tree:
             return True
         if name in UNREADABLE_TAGS and context.style.get("visibility", "visible") != "visible":
             return True
-        if name == "text" and not ("".join(element.itertext()).strip() and self._is_painted(element, context)):
+        if name == "text" and not ("".join(element.itertext()).strip() and _shows(*self._paints(element, context))):
             return True
         if context.cutting:
             return False
@@ -183,11 +183,6 @@ class Tree:
         return svg_paints.parse_share(element.attrib.get("opacity")) == 0.0 or svg_paints.is_hidden_by_filter(
             filtered, self.targets
         )
-
-    def _is_painted(self, element: ET.Element, context: Context) -> bool:
-        """Return whether a shape's fill or its line has a colour."""
-        fill, line = self._paints(element, context)
-        return fill.alpha > 0.0 or line is not None
 
     def _paints(self, element: ET.Element, context: Context) -> tuple[Colour, Line | None]:
         """Return the paint of a shape's fill, perhaps clear, and its line, or None without."""
@@ -203,13 +198,14 @@ class Tree:
 
     def _visible_shape(self, element: ET.Element, context: Context) -> Iterator[VisibleShape]:
         """Yield the shape of an element, if it is visible."""
-        if context.style.get("visibility", "visible") != "visible" or not self._is_painted(element, context):
+        is_visible = context.style.get("visibility", "visible") == "visible"
+        fill, line = self._paints(element, context) if is_visible else (svg_paints.CLEAR, None)
+        if not _shows(fill, line):
             self.unseen += 1
             return
         if any(element.attrib.get(f"marker-{end}", "none") != "none" for end in ("start", "mid", "end")):
             raise self._input_error("it contains a marker on a line. Remove it.")
         path, nonzero = self._build_path(element, context), context.style.get("fill-rule", "nonzero") != "evenodd"
-        fill, line = self._paints(element, context)
         yield VisibleShape(path, context.matrix, nonzero, fill, line, context.clips, context.layers)
 
     def _build_path(self, element: ET.Element, context: Context) -> "svgelements.Path":
@@ -396,3 +392,8 @@ class Tree:
         if is_clip_path and len(nonzero) == len(shapes):
             shapes = tuple(shape._replace(nonzero=rule) for shape, rule in zip(shapes, nonzero, strict=True))
         return Clip(shapes, not is_clip_path, target.attrib.get("mask-type") == "alpha")
+
+
+def _shows(fill: Colour, line: Line | None) -> bool:
+    """Return whether a shape's fill or its line has a colour."""
+    return fill.alpha > 0.0 or line is not None
