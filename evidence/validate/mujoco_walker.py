@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+from evidence.work_precision.case import PERIODS_PER_POSE, count_poses, draw_start, speed_along_heading
 from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY
 from walkergen.core.simulation.world import Drive
@@ -22,9 +23,6 @@ FOOT_RADIUS_MM = 1e-3
 
 CONTACT_DAMPING = 4.0
 """Damping ratio of a contact without restitution; 16 and 64 give the same speeds."""
-
-PERIODS_PER_PLACE = 4
-"""Periods of the drive between two places."""
 
 
 def _format_numbers(*values: float) -> str:
@@ -125,8 +123,7 @@ def simulate_speeds(
     state = np.empty(mujoco.mj_stateSize(model, full))
     means = []
     for seed in seeds:
-        rng = np.random.default_rng(seed)
-        pitch, roll, phase = rng.uniform((-1e-3, -1e-3, 0.0), (1e-3, 1e-3, 2.0 * math.pi))
+        pitch, roll, phase = draw_start(seed)
         mujoco.mj_resetData(model, data)
         data.qpos[3:7] = 1.0, 0.5 * roll, 0.0, 0.5 * pitch
         data.qpos[3:7] /= math.sqrt(data.qpos[3:7] @ data.qpos[3:7])
@@ -137,9 +134,9 @@ def simulate_speeds(
         phases = phase + 2.0 * math.pi * (np.arange(count) + 0.5) / count
         pull = np.zeros((count, model.nbody, 6))
         pull[:, :, 1] = -np.outer(GRAVITY - drive.amplitude * drive.omega**2 * np.sin(phases), model.body_mass)
-        pull = np.tile(pull.reshape(count, -1), (PERIODS_PER_PLACE, 1))[None]
+        pull = np.tile(pull.reshape(count, -1), (PERIODS_PER_POSE, 1))[None]
         places = []
-        for _ in range(round((seconds + 0.5) / (PERIODS_PER_PLACE * drive.period))):
+        for _ in range(count_poses(seconds, drive.period)):
             states, _ = rollout.rollout(
                 model, data, state[None], pull, control_spec=mujoco.mjtState.mjSTATE_XFRC_APPLIED, skip_checks=False
             )
@@ -147,8 +144,5 @@ def simulate_speeds(
             w, x, y, z = state[4:8]
             heading = np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * z - w * y)])
             places.append([state[1], state[3], *heading / math.sqrt(heading @ heading)])
-        settled = np.array(places[round(0.5 / (PERIODS_PER_PLACE * drive.period)) :])
-        along = 0.5 * (settled[1:, 2:] + settled[:-1, 2:])
-        run = np.sum(np.diff(settled[:, :2], axis=0) * along)
-        means.append(run / ((len(settled) - 1) * PERIODS_PER_PLACE * drive.period))
+        means.append(speed_along_heading(np.array(places), PERIODS_PER_POSE * drive.period))
     return np.array(means)
