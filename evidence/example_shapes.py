@@ -1,9 +1,8 @@
 """A drawing and a mesh as people bring them, for a picture of docs/."""
 
-HEART = (
-    b'<svg xmlns="http://www.w3.org/2000/svg" width="30.0mm" height="28.0mm" viewBox="0 0 30.0 28.0"><path '
-    b'fill-rule="nonzero" d="M15 27C-5 12 3 0 10 2C13 3 15 6 15 6C15 6 17 3 20 2C27 0 35 12 15 27Z"/></svg>'
-)
+from pathlib import Path
+
+HEART = (Path(__file__).parents[1] / "examples/heart.svg").read_bytes()
 
 
 def duck_stl() -> bytes:

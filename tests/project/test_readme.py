@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import urllib.request
@@ -61,6 +62,7 @@ def test_the_setup_is_two_commands_and_the_gate_runs_them():
 def test_the_tour_runs_as_shown(tmp_path, pages, least):
     for name, text in re.findall(r'```csv title="([^"]+)"\n(.*?)```', TUTORIAL, flags=re.DOTALL):
         (tmp_path / name).write_text(text, encoding="utf-8")
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")  # commands run in the checkout
     tour = [line for line in commands(pages) if line.startswith("walkergen")]
     tour = [line for line in tour if line != "walkergen app"]  # it ends when somebody ends it: the next test
     assert len(tour) >= least
