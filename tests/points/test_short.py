@@ -7,13 +7,14 @@ from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.points import short_simulation, speed_prediction
+from walkergen.points import effect_selection, short_simulation, speed_prediction
 from walkergen.points.store import Store
 
 
 @pytest.fixture(autouse=True)
 def own_store(tmp_path, monkeypatch):
-    monkeypatch.setattr(short_simulation, "Store", lambda: Store(tmp_path / "points.sqlite"))
+    for module in (short_simulation, effect_selection):
+        monkeypatch.setattr(module, "Store", lambda: Store(tmp_path / "points.sqlite"))
 
 
 PLATE = {"frequency_hz": 90.0, "gamma": 1.8}
@@ -70,20 +71,22 @@ def test_bounds_include_the_error_of_omitted_effects():
     assert few.speed.ends[0::3] == (45.0, 55.0)
 
 
-def test_a_walker_is_simulated_without_effects_below_the_accepted_error():
-    """The same seeds and runs: the second harmonic of 1e-9 changes the last digits alone."""
+def test_a_walker_is_simulated_without_effects_below_the_accepted_error(monkeypatch):
+    """The same seeds and runs: the noise takes half of the time and changes the last digits alone."""
+    monkeypatch.setattr(effect_selection, "MAX_PILOT_SHARE", 1.0)
+    monkeypatch.setattr(effect_selection, "MAX_SPENT_SHARE", 1e9)
     run = {"seconds": 0.3, "discard_seconds": 0.1}
-    drive = PLATE | {"second_harmonic_ratio": 1e-3}
+    plate = {"noise_ratio": 1e-6}
     held = {"off": ["roll_and_yaw", "leg_twist"]}
-    tables = {"drive": drive, "run": run, "arena": {"kind": "lane"}, "effects": held}
+    tables = {"plate": plate, "run": run, "arena": {"kind": "lane"}, "effects": held}
     design = Design().variant(tilt_deg=10.0)
     plain, whole, simple = (
         predict_design(design, plane_scene(**tables | more))
-        for more in ({"drive": PLATE}, {}, {"run": run | {"accepted_error": 0.5}})
+        for more in ({"plate": {}}, {}, {"run": run | {"accepted_error": 0.5}})
     )
     assert plain.nominal.value == simple.nominal.value != whole.nominal.value
     assert simple.speed.low_95 < plain.speed.low_95
-    assert "left out: second harmonic" in simple.note
+    assert "left out: plate noise" in simple.note
     assert "left out" not in whole.note
 
 
@@ -95,7 +98,7 @@ class ReachedError(Exception):
 def would_begin(monkeypatch):
     """Runs of usual length; none is made."""
 
-    def raise_reached(*_):
+    def raise_reached(*_, **__):
         raise ReachedError
 
     monkeypatch.setattr(short_simulation, "find_simplest", raise_reached)

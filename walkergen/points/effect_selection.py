@@ -1,28 +1,57 @@
-"""Selection of the effects that can be left out of a scene, as they change a walker's speed by too little to matter."""
+"""Selection of the effects that can be left out of a scene, as they change a walker's speed by too little to matter.
 
+Leaving an effect out must pay: it is measured only for simulations that are long compared with the measurement, and
+only if runs without it take less time. The store keeps the result, so that a second simulation measures nothing.
+"""
+
+import json
+import math
+from collections.abc import Sequence
+from contextlib import closing
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress, silent
-from walkergen.core.measure import FIRST_RUNS, Measured, measure
-from walkergen.core.numerics.quantity import Verdict
+from walkergen.core.measure import FIRST_RUNS, Measured, Runs, measure
+from walkergen.core.numerics.distributions import student_quantile
+from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import active_effects
+from walkergen.core.simulation.effects.effect import Rule
 from walkergen.core.simulation.effects.resolve import replace_without_validation
+from walkergen.core.simulation.ensemble import Summary
+from walkergen.core.simulation.observables import SPEED
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import variants
 from walkergen.points.experiments import Walker
-from walkergen.points.variants import Change, Pairs, Variant
+from walkergen.points.point import digest
+from walkergen.points.store import Store
+from walkergen.points.variants import Change, Pairs, RunSet, Variant
+
+PILOT_RUNS = 4
+"""Pairs of runs, with and without each effect, that tell which effects take time and surely change the speed."""
+
+MAX_PILOT_SHARE = 0.25
+"""Maximum simulated time of these pairs over that of the simulation. A shorter simulation leaves nothing out."""
 
 MAX_PAIRS = 64
 """Pairs of runs after which a change that is not decided counts as too large."""
+
+MAX_SPENT_SHARE = 0.5
+"""Maximum time for deciding on an effect over the time that the simulation saves without it."""
+
+MAX_CPU_RATIO = 0.95
+"""An effect takes time if the CPU time without it is at most this share of the time with it."""
 
 
 class UntilDecided(NamedTuple):
     """Rule that adds pairs of runs, with and without an effect, until it is clear whether the change is tolerable."""
 
     tolerance: Tolerance
+    max_runs: int = MAX_PAIRS
     first_runs: int = FIRST_RUNS
 
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
@@ -31,10 +60,11 @@ class UntilDecided(NamedTuple):
         return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
     def request_more(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
-        """Return the measurement with twice as many pairs requested; None if decided, undecidable, or at MAX_PAIRS."""
+        """Return the measurement with up to twice as many pairs; None if decided, undecidable, or at `max_runs`."""
         change = measured.experiment.changes(measured.records)[0].speed
         decided = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
-        return None if decided or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
+        more = min(2 * measured.runs, self.max_runs)
+        return None if decided or measured.runs >= more else measured.with_runs(more)
 
 
 class Simplest(NamedTuple):
@@ -45,9 +75,12 @@ class Simplest(NamedTuple):
     """Error that was accepted, a share of the speed; None: nothing was tried."""
     left_out: tuple[Change, ...] = ()
     """Changes by the effects that are left out, each measured with all effects before it left out as well."""
-    kept: tuple[Change, ...] = ()
+    kept: tuple[tuple[Change, str], ...] = ()
+    """Changes by the effects that were measured but not left out, each with the reason."""
     cpu_s: float = 0.0
-    """CPU time that finding it out took, s."""
+    """CPU time of the measurement, s; 0 if the store had it."""
+    reason: str = ""
+    """Reason why nothing was measured, otherwise ""."""
 
     @property
     def error_mm_s(self) -> float:
@@ -63,13 +96,14 @@ class Simplest(NamedTuple):
         if self.accepted is None:
             return []
         share = f"{100.0 * self.accepted:g} %"
-        out, kept = ([_format_change(change) for change in changes] for changes in (self.left_out, self.kept))
-        faster = 1.0 if not self.left_out else 1.0 / self.left_out[-1].cpu.number
-        gain = f"; {faster:.2g} times as fast" if out else ""
-        return [
-            ("left out", f"{', '.join(out) or 'nothing'}: within {share}{gain}"),
-            *([("kept", f"{', '.join(kept)}: not known to be within {share}")] if kept else []),
-        ]
+        if not self.left_out:
+            lines = [("left out", f"nothing to gain: {self.reason}" if self.reason else "nothing to gain")]
+        else:
+            out = ", ".join(map(_format_change, self.left_out))
+            gain = 1.0 / self.left_out[-1].cpu.number
+            lines = [("left out", f"{out}: within {share}; {gain:.2g} times as fast")]
+        kept = ", ".join(f"{_format_change(change)}: {why}" for change, why in self.kept)
+        return [*lines, *([("kept", kept)] if kept else [])]
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -79,11 +113,32 @@ class Simplest(NamedTuple):
         listed = {
             name: [
                 {"effect": change.effect, "change": change.change, "mm_s": change.speed.value, "se": change.speed.se}
-                for change in changes
+                | ({"why": why} if why else {})
+                for change, why in changes
             ]
-            for name, changes in (("left_out", self.left_out), ("kept", self.kept))
+            for name, changes in (("left_out", [(change, "") for change in self.left_out]), ("kept", self.kept))
         }
-        return {"effects": {"accepted_error": self.accepted} | listed}
+        return {"effects": {"accepted_error": self.accepted, "reason": self.reason} | listed}
+
+    def widen(self, summary: Summary) -> Summary:
+        """Return the summary of the simplest scene's runs with bounds of the speed that include what was left out."""
+        return summary._replace(numbers={**summary.numbers, SPEED: self.widen_speed(summary.speed)})
+
+    def widen_speed(self, speed: Quantity) -> Quantity:
+        """Return a speed in the simplest scene, mm/s, with bounds that include what was left out.
+
+        The change of the speed is known and adds to the other errors; its own error is independent of them.
+        """
+        if not self.left_out or speed.value is None:
+            return speed
+        change, half = self.left_out[-1].speed, speed.half_width()
+        error, ends = self.error_mm_s, speed.ends
+        if ends is not None:
+            return speed._replace(ends=(ends[0] - error, ends[1] - error, ends[2] + error, ends[3] + error))
+        if math.isinf(half):
+            return speed
+        wanted = abs(change.number) + math.hypot(half, change.half_width())
+        return speed._replace(bias=math.sqrt(wanted**2 - half**2 + speed.bias**2))
 
 
 def _format_change(change: Change) -> str:
@@ -103,35 +158,154 @@ def check_no_accepted_error(scene: Scene, why: str) -> None:
         raise InputError(f"{key} = {accepted:g}: {why}. Remove this key.", key)
 
 
-def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
+def find_simplest(
+    walker: Walker, progress: Progress = silent, threads: int | None = None, simulated_s: float | None = None
+) -> Simplest:
     """Return the walker in the simplest scene whose speed stays within the scene's `run.accepted_error` (95 %).
 
-    Try to leave out one effect after the other, except those listed in `effects.on`. Each time, compare with the speed
-    in the complete scene. If the key is not set, nothing is tried or left out.
+    An effect is left out if runs without it take less time, and their mean and scatter are not changed by more. Each
+    is compared with the complete scene, with those before it left out as well. Effects in `effects.on` stay.
+
+    Parameters
+    ----------
+    walker : Walker
+        Walker in its complete scene. Without the key, nothing is measured or left out.
+    progress : Progress
+        Callback for progress.
+    threads : int, optional
+        Number of threads for runs.
+    simulated_s : float, optional
+        Simulated time of the simulation to be shortened, s. None: that of the scene's runs.
+
+    Returns
+    -------
+    Simplest
+        Walker in the simplest scene, and what was left out.
     """
-    accepted = walker.scene.run.accepted_error
+    accepted, run = walker.scene.run.accepted_error, walker.scene.run
     if accepted is None:
         return Simplest(walker)
     complete = walker._replace(scene=replace_without_validation(walker.scene, {"run.accepted_error": None}))
-    found = Simplest(complete, accepted)
-
-    def try_variant(variant: Variant | None) -> Simplest:
-        """Measure a variant. Return `found` with its change in `left_out` or `kept`, unchanged for None."""
-        if variant is None:
-            return found
-        measured = measure(Pairs(complete, (variant,)), until, progress, threads)
-        if measured.partial:
-            raise KeyboardInterrupt
-        change = measured.experiment.changes(measured.records)[0]
-        spent = found.cpu_s + sum(run.cpu_s for runs in measured.records for run in runs)
-        if until.verdict(measured) is Verdict.AGREE:
-            return found._replace(walker=variant.walker, left_out=(*found.left_out, change), cpu_s=spent)
-        return found._replace(kept=(*found.kept, change), cpu_s=spent)
-
-    until = UntilDecided(Tolerance(accepted, relative=True))
-    for rule in active_effects.all_rules():
-        effect = rule.decide(found.walker.plan().case)
-        if effect.on and rule.switch and rule.switch not in complete.scene.effects.on:
-            variant = variants.without_effect(found.walker, rule)
-            found = try_variant(None if variant is None else variant._replace(effect=effect.name))
+    if simulated_s is None:
+        simulated_s = run.runs * (run.discard_seconds + run.seconds)
+    rules = _switchable_rules(complete)
+    pilot_s = (1 + len(rules)) * PILOT_RUNS * variants.short_run_s(complete)
+    if pilot_s > MAX_PILOT_SHARE * simulated_s:
+        spent, whole = (formatting.format_number(seconds, 2) for seconds in (pilot_s, simulated_s))
+        return Simplest(
+            complete, accepted, reason=f"measuring the effects takes {spent} s of simulation, the runs {whole} s"
+        )
+    key = f"effects {complete.key} {digest()} {accepted:g} {simulated_s:g}"
+    with closing(Store()) as store:
+        stored = store.get([key]).get(key)
+        if stored is not None:
+            return _restore(Simplest(complete, accepted), rules, json.loads(str(stored["effects"])))
+        found = _measure(Simplest(complete, accepted), rules, simulated_s, progress, threads)
+        changes = [(change, "") for change in found.left_out], found.kept
+        store.save([(key, {"effects": json.dumps(changes)})])
     return found
+
+
+def _switchable_rules(walker: Walker) -> dict[str, Rule]:
+    """Return the rules of the effects that may be left out of a walker's scene, by the effects' names."""
+    found, case = {}, walker.plan().case
+    for rule in active_effects.all_rules():
+        effect = rule.decide(case)
+        if effect.on and rule.switch and rule.switch not in walker.scene.effects.on:
+            found[effect.name] = rule
+    return found
+
+
+def _restore(found: Simplest, rules: dict[str, Rule], stored: list[list[Any]]) -> Simplest:
+    """Return `found` with the changes that the store has, and the walker without the effects left out."""
+    left_out, kept = (
+        tuple((Change(*change[:2], Quantity(*change[2]), Quantity(*change[3])), why) for change, why in part)
+        for part in stored
+    )
+    for change, _ in left_out:
+        variant = variants.without_effect(found.walker, rules[change.effect])
+        assert variant is not None
+        found = found._replace(walker=variant.walker)
+    return found._replace(left_out=tuple(change for change, _ in left_out), kept=kept)
+
+
+def _measure(
+    found: Simplest, rules: dict[str, Rule], simulated_s: float, progress: Progress, threads: int | None
+) -> Simplest:
+    """Leave out one effect of `rules` after the other, the slowest first, and return what is left."""
+    complete, until = found.walker, UntilDecided(Tolerance(found.accepted or 0.0, relative=True))
+    singles = [_without(complete, name, rule) for name, rule in rules.items()]
+    pilot = _run(Pairs(complete, tuple(filter(None, singles))), Runs(PILOT_RUNS), progress, threads)
+    speed, spent = pilot.experiment.mean_speed(pilot.records), found.cpu_s + _cpu_s(pilot)
+    found = found._replace(cpu_s=spent)
+    for change in sorted(pilot.experiment.changes(pilot.records), key=lambda change: change.cpu.number):
+        if change.cpu.number > MAX_CPU_RATIO:
+            continue  # leaving it out saves nothing
+        judged = variants.verdict(complete, speed, change, until.tolerance)
+        saved_s = MAX_SPENT_SHARE * (1.0 - change.cpu.number) * simulated_s
+        pairs = min(MAX_PAIRS, math.floor(saved_s / (2.0 * variants.short_run_s(complete))))
+        variant = _without(found.walker, change.effect, rules[change.effect])
+        if judged is Verdict.UNDECIDED or judged is Verdict.AGREE:
+            if variant is None or pairs < FIRST_RUNS:
+                found = found._replace(kept=(*found.kept, (change, "deciding on it takes longer than it saves")))
+                continue
+            found = _decide(found, Pairs(complete, (variant,)), until._replace(max_runs=pairs), progress, threads)
+        else:
+            found = found._replace(kept=(*found.kept, (change, "changes the speed by more")))
+    return found
+
+
+def _decide(found: Simplest, pairs: Pairs, until: UntilDecided, progress: Progress, threads: int | None) -> Simplest:
+    """Return `found` with an effect left out if its change is within the tolerance, otherwise kept with the reason."""
+    measured = _run(pairs, until, progress, threads)
+    (change,) = pairs.changes(measured.records)
+    found, judged = found._replace(cpu_s=found.cpu_s + _cpu_s(measured)), until.verdict(measured)
+    scatters = scatter_change(measured.records)
+    if judged is not Verdict.AGREE:
+        why = "changes the speed by more" if judged is Verdict.DISAGREE else "not known to change it by less"
+    elif scatters is not None and abs(scatters[1] / max(scatters[0], 1e-12) - 1.0) > until.tolerance.value:
+        with_it, without = (formatting.format_number(scatter, 2) for scatter in scatters)
+        why = f"without it, runs scatter by {without} mm/s instead of {with_it}"
+    else:
+        return found._replace(walker=pairs.variants[0].walker, left_out=(*found.left_out, change))
+    return found._replace(kept=(*found.kept, (change, why)))
+
+
+def scatter_change(records: Sequence[RunSet]) -> tuple[float, float] | None:
+    """Return the standard deviations (mm/s) of runs with and without an effect if they differ; None if they may not.
+
+    `records`: pairs of runs. The test is Pitman's and Morgan's for variances of pairs, with 95 % confidence.
+
+    References
+    ----------
+    Pitman, Biometrika 31 (1939) 9; Morgan, Biometrika 31 (1939) 13.
+    """
+    speeds = np.array([[runs[0].speed, runs[1].speed] for runs in records]).T
+    first, second = float(speeds[0].std(ddof=1)), float(speeds[1].std(ddof=1))
+    difference, total = speeds[1] - speeds[0], speeds[1] + speeds[0]
+    spread = float(difference.std() * total.std())
+    if spread <= 0.0:
+        return None
+    freedom = speeds.shape[1] - 2
+    correlation = float(((difference - difference.mean()) * (total - total.mean())).mean()) / spread
+    t = abs(correlation) * math.sqrt(freedom / max(1.0 - correlation**2, 1e-12))
+    return (first, second) if t > student_quantile(freedom, 0.975) else None
+
+
+def _without(walker: Walker, name: str, rule: Rule) -> Variant | None:
+    """Return the variant of a walker's scene without an effect, under its name; None if it cannot be simulated."""
+    variant = variants.without_effect(walker, rule)
+    return None if variant is None else variant._replace(effect=name)
+
+
+def _run(pairs: Pairs, until: Runs | UntilDecided, progress: Progress, threads: int | None) -> Measured[Pairs]:
+    """Simulate pairs until a rule has enough. Raises KeyboardInterrupt after Ctrl-C."""
+    measured = measure(pairs, until, progress, threads)
+    if measured.partial:
+        raise KeyboardInterrupt
+    return measured
+
+
+def _cpu_s(measured: Measured[Pairs]) -> float:
+    """Return the CPU time of a measurement's runs, s."""
+    return float(sum(run.cpu_s for runs in measured.records for run in runs))

@@ -118,7 +118,9 @@ def expected_wall_s(cases: Sequence[Walker]) -> float:
 def _simulate_runs(walker: Walker, progress: Progress) -> Record:
     """Return the record of speeds, mm/s, from runs of the walker as designed and of its prints."""
     first = 0.0 if walker.scene.run.accepted_error is None else 0.33
-    simple = find_simplest(_with_short_runs(walker), range_progress(progress, 0.0, first))
+    simple = find_simplest(
+        _with_short_runs(walker), range_progress(progress, 0.0, first), simulated_s=_simulated_s(walker)
+    )
     short_walker = simple.walker
     results = walkers.simulate_with_limit(
         short_walker, NOMINAL_TOLERANCE, MAX_RUNS, range_progress(progress, first, 0.5)
@@ -146,10 +148,14 @@ def _with_short_runs(walker: Walker) -> Walker:
 
 def _estimate_cpu_s(walker: Walker) -> float:
     """Return an upper limit, from the number of time steps, of the CPU time of a simulation with the fewest runs, s."""
+    return _simulated_s(walker) * run_time.rate_from_steps(walker.plan())
+
+
+def _simulated_s(walker: Walker) -> float:
+    """Return the simulated time of a simulation with the fewest runs, s."""
     run = _with_short_runs(walker).scene.run
     prints_s = PRINT_DISCARD_S + PRINT_S * _run_length_ratio(walker)
-    simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
-    return simulated_s * run_time.rate_from_steps(walker.plan())
+    return FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
 
 
 def _check_run_length(walker: Walker) -> None:

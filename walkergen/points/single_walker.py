@@ -153,7 +153,8 @@ def _predict_point(point: Point, mass: MassProperties) -> tuple[Prediction, str]
 
 def _simulate_point(point: Point, mass: MassProperties) -> Record:
     """Simulate a point, until its requested error is met if it has one. Return the numbers by column."""
-    walker, met = find_simplest(Walker(point.scene, point.design, mass), threads=1).walker, None
+    simple, met = find_simplest(Walker(point.scene, point.design, mass), threads=1), None
+    walker = simple.walker
     if point.wanted is None:
         results = walkers.simulate(walker, threads=1)
     else:
@@ -161,7 +162,7 @@ def _simulate_point(point: Point, mass: MassProperties) -> Record:
         results = met.results
     if results.partial:
         raise KeyboardInterrupt
-    summary, scene = results.summary, results.walker.scene
+    summary, scene = simple.widen(results.summary), results.walker.scene
     record = _status_record(summary, met) | {
         **summary.speed.row(95, stem=""),
         "step_error_mm_s": step_errors.step_bias(summary.speed),

@@ -133,6 +133,12 @@ def _with_short_runs(walker: Walker) -> Walker:
     return walker.with_run_settings(seconds=seconds, discard_seconds=discarded)
 
 
+def short_run_s(walker: Walker) -> float:
+    """Return the simulated time of one run of a walker or of a variant, s, with the start that is not measured."""
+    run = _with_short_runs(walker).scene.run
+    return run.discard_seconds + run.seconds
+
+
 def decide_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
     """Return every rule of an effect with its decision for a plan: the effect, on or off."""
     return [(rule, rule.decide(plan.case)) for rule in active_effects.all_rules()]

@@ -100,6 +100,13 @@ class Simulation(NamedTuple):
         """Scene of the runs, with the number of runs and the time step that an error required."""
         return self.results.walker.scene
 
+    def include_omissions(self, simple: Simplest) -> "Simulation":
+        """Return these results with bounds of the speed that include the error of the effects left out."""
+        results = self.results._replace(summary=simple.widen(self.results.summary))
+        chosen = None if self.chosen is None else self.chosen._replace(results=results)
+        orbit = None if self.orbit is None else self.orbit._replace(prints=simple.widen_speed(self.orbit.prints))
+        return self._replace(results=results, orbit=orbit, chosen=chosen, simplest=simple)
+
 
 def make_walker(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
     """Return a walker in a scene. Short runs record landings. `interval`: time between samples, s; None for none."""

@@ -153,7 +153,13 @@ def format_step_error(simulated: Simulation) -> str:
     error = step_errors.step_bias(speed)
     if error is None:
         return f"; {speed.refused}"
-    return f" ± {formatting.format_number(error, 2)} from the step (95 %)" if error else ""
+    return f" ± {formatting.format_number(error, 2)} from the {_error_sources(simulated)} (95 %)" if error else ""
+
+
+def _error_sources(simulated: Simulation) -> str:
+    """Return what causes the error of the mean speed besides the scatter of runs."""
+    simple = simulated.simplest
+    return "step and omitted effects" if simple is not None and simple.left_out else "step"
 
 
 def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
@@ -162,7 +168,8 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
     if bounds := simulated.results.summary.speed.interval():
-        yield ("this simulation", f"{bounds[0]:.1f} to {bounds[1]:.1f} mm/s (95 %), from runs and step")
+        sources = _error_sources(simulated)
+        yield "this simulation", f"{bounds[0]:.1f} to {bounds[1]:.1f} mm/s (95 %), from runs and {sources}"
     yield "your print", _format_print_bounds(simulated)
 
 

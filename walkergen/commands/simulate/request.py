@@ -122,8 +122,8 @@ class SimulateRequest(request.Request):
         wanted = None if self.error is None else parse_tolerance(self.error)
         if wanted is None:
             self._expect(lambda: run_time.total_time([walker]))
-        simulated = make.measure(walker, progress, wanted, self.of, self._expect)
-        result = report.make_report(simulated._replace(simplest=found), self.all)
+        simulated = make.measure(walker, progress, wanted, self.of, self._expect).include_omissions(found)
+        result = report.make_report(simulated, self.all)
         done, wished = simulated.results.summary.runs, simulated.scene.run.runs
         if done < wished:
             lost = [] if self.trajectory is None else [f"{self.trajectory}: not written"]

@@ -67,6 +67,7 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
         shared = make.find_shared_orbit(point, progress)
         if shared is not None:
             summary = make.with_print_bounds(summary, shared)
+        summary = simple.widen(summary)
         predicted = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
         yield Row(
             name,
