@@ -6,17 +6,13 @@ only if runs without it take less time. The store keeps the result, so that a se
 
 import json
 import math
-from collections.abc import Sequence
 from contextlib import closing
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress, silent
 from walkergen.core.measure import FIRST_RUNS, Measured, Runs, measure
-from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import active_effects
@@ -29,7 +25,7 @@ from walkergen.points import variants
 from walkergen.points.experiments import Walker
 from walkergen.points.point import digest
 from walkergen.points.store import Store
-from walkergen.points.variants import Change, Pairs, RunSet, Variant
+from walkergen.points.variants import Change, Pairs, Variant
 
 PILOT_RUNS = 4
 """Pairs of runs, with and without each effect, that tell which effects take time and surely change the speed."""
@@ -218,15 +214,19 @@ def _switchable_rules(walker: Walker) -> dict[str, Rule]:
 
 def _restore(found: Simplest, rules: dict[str, Rule], stored: list[list[Any]]) -> Simplest:
     """Return `found` with the changes that the store has, and the walker without the effects left out."""
-    left_out, kept = (
-        tuple((Change(*change[:2], Quantity(*change[2]), Quantity(*change[3])), why) for change, why in part)
-        for part in stored
-    )
+    left_out, kept = (tuple((_restore_change(*change), why) for change, why in part) for part in stored)
     for change, _ in left_out:
         variant = variants.without_effect(found.walker, rules[change.effect])
         assert variant is not None
         found = found._replace(walker=variant.walker)
     return found._replace(left_out=tuple(change for change, _ in left_out), kept=kept)
+
+
+def _restore_change(effect: str, words: str, speed: list[Any], cpu: list[Any], scatter: list[float] | None) -> Change:
+    """Return a change from its values in the store."""
+    return Change(
+        effect, words, Quantity(*speed), Quantity(*cpu), None if scatter is None else (scatter[0], scatter[1])
+    )
 
 
 def _measure(
@@ -260,36 +260,14 @@ def _decide(found: Simplest, pairs: Pairs, until: UntilDecided, progress: Progre
     measured = _run(pairs, until, progress, threads)
     (change,) = pairs.changes(measured.records)
     found, judged = found._replace(cpu_s=found.cpu_s + _cpu_s(measured)), until.verdict(measured)
-    scatters = scatter_change(measured.records)
     if judged is not Verdict.AGREE:
         why = "changes the speed by more" if judged is Verdict.DISAGREE else "not known to change it by less"
-    elif scatters is not None and abs(scatters[1] / max(scatters[0], 1e-12) - 1.0) > until.tolerance.value:
-        with_it, without = (formatting.format_number(scatter, 2) for scatter in scatters)
+    elif change.changes_scatter(until.tolerance.value):
+        with_it, without = (formatting.format_number(scatter, 2) for scatter in change.scatter or ())
         why = f"without it, runs scatter by {without} mm/s instead of {with_it}"
     else:
         return found._replace(walker=pairs.variants[0].walker, left_out=(*found.left_out, change))
     return found._replace(kept=(*found.kept, (change, why)))
-
-
-def scatter_change(records: Sequence[RunSet]) -> tuple[float, float] | None:
-    """Return the standard deviations (mm/s) of runs with and without an effect if they differ; None if they may not.
-
-    `records`: pairs of runs. The test is Pitman's and Morgan's for variances of pairs, with 95 % confidence.
-
-    References
-    ----------
-    Pitman, Biometrika 31 (1939) 9; Morgan, Biometrika 31 (1939) 13.
-    """
-    speeds = np.array([[runs[0].speed, runs[1].speed] for runs in records]).T
-    first, second = float(speeds[0].std(ddof=1)), float(speeds[1].std(ddof=1))
-    difference, total = speeds[1] - speeds[0], speeds[1] + speeds[0]
-    spread = float(difference.std() * total.std())
-    if spread <= 0.0:
-        return None
-    freedom = speeds.shape[1] - 2
-    correlation = float(((difference - difference.mean()) * (total - total.mean())).mean()) / spread
-    t = abs(correlation) * math.sqrt(freedom / max(1.0 - correlation**2, 1e-12))
-    return (first, second) if t > student_quantile(freedom, 0.975) else None
 
 
 def _without(walker: Walker, name: str, rule: Rule) -> Variant | None:

@@ -4,6 +4,7 @@ Scene and variants start from the same drops and phases, run after run in turn. 
 the variant's, and a busy machine slows all alike. A rule decides whether a scene has an effect.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import quantity
+from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.simulation import ensemble
 from walkergen.core.simulation.batch import OneRun
@@ -55,6 +57,12 @@ class Change(NamedTuple):
     """Mean speed of the variant less that of the scene, mm/s, by pairs of runs; no error of the step."""
     cpu: Quantity
     """CPU time of the variant over that of the scene (a ratio), by pairs of runs."""
+    scatter: tuple[float, float] | None = None
+    """Standard deviations of the speed over runs in the scene and in the variant, mm/s; None if they may be equal."""
+
+    def changes_scatter(self, share: float) -> bool:
+        """Return whether the standard deviation of runs changes by more than a share of that in the scene."""
+        return self.scatter is not None and abs(self.scatter[1] - self.scatter[0]) > share * self.scatter[0]
 
 
 class Pairs(NamedTuple):
@@ -99,7 +107,7 @@ class Pairs(NamedTuple):
             pairs = [(runs[0], runs[index]) for runs in records]
             cpu = quantity.mean("cpu_ratio", "", [run.cpu_s / max(base.cpu_s, 1e-9) for base, run in pairs])
             speed = _speed_difference(pairs, self.walker.equivalent_drive.peak_speed)
-            changes.append(Change(variant.effect, variant.change, speed, cpu))
+            changes.append(Change(variant.effect, variant.change, speed, cpu, _scatter_change(pairs)))
         return changes
 
 
@@ -124,6 +132,29 @@ def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed:
     if ensemble.ORBIT in (ensemble.common_orbit(column, plate_speed) for column in speeds.T):
         return mean._replace(se=None, refused=Outcome.ORBIT.value)
     return mean
+
+
+def _scatter_change(pairs: Sequence[tuple[RunResult, RunResult]]) -> tuple[float, float] | None:
+    """Return the standard deviations (mm/s) of runs in the scene and in a variant if they differ, otherwise None.
+
+    `pairs`: runs (scene, variant). The test is Pitman's and Morgan's for variances of pairs, with 95 % confidence.
+
+    References
+    ----------
+    Pitman, Biometrika 31 (1939) 9; Morgan, Biometrika 31 (1939) 13.
+    """
+    if len(pairs) < 4:
+        return None
+    speeds = np.array([[runs[0].speed, runs[1].speed] for runs in pairs]).T
+    first, second = float(speeds[0].std(ddof=1)), float(speeds[1].std(ddof=1))
+    difference, total = speeds[1] - speeds[0], speeds[1] + speeds[0]
+    spread = float(difference.std() * total.std())
+    if spread <= 0.0:
+        return None
+    freedom = speeds.shape[1] - 2
+    correlation = float(((difference - difference.mean()) * (total - total.mean())).mean()) / spread
+    t = abs(correlation) * math.sqrt(freedom / max(1.0 - correlation**2, 1e-12))
+    return (first, second) if t > student_quantile(freedom, 0.975) else None
 
 
 def _with_short_runs(walker: Walker) -> Walker:

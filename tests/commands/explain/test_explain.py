@@ -161,7 +161,7 @@ def test_an_effect_that_changes_the_scatter_of_runs_is_found(ratio):
         with_it, without = common + own[0], common + own[1]
         without = without.mean() + ratio * (without - without.mean())
         pairs = [tuple(SimpleNamespace(speed=speed) for speed in pair) for pair in zip(with_it, without, strict=True)]
-        found += effect_selection.scatter_change(pairs) is not None
+        found += variants._scatter_change(pairs) is not None
     assert (found / 200 < 0.1) if ratio == 1.0 else (found / 200 > 0.95)
 
 

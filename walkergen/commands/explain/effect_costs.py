@@ -12,6 +12,7 @@ from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.tolerance import Tolerance
 from walkergen.files.report import Column, Table, text_column
 from walkergen.points import variants
+from walkergen.points.effect_selection import MAX_CPU_RATIO
 from walkergen.points.experiments import Walker
 from walkergen.points.variants import Change, Pairs, Variant
 
@@ -24,13 +25,8 @@ BUDGET_S, SINGLE_EFFECT_SHARE = 10.0, 0.8
 MIN_RUNS, ACTIVE_RUNS = 4, 4
 """Smallest number of runs of each scene within BUDGET_S, and number of runs if only active effects are measured."""
 
-ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
-"""Shares of the speed. An effect may be left out if it changes the speed by less. The smallest sufficient is used."""
-
-MAX_CPU_RATIO = 0.95
-"""Leaving an effect out is advised if the CPU time without it is at most this share of the time with it."""
-
-NO_ADVICE = "leave nothing out: every active effect changes the speed, or costs no time"
+ADVICE_LEVELS = (0.01, 0.05, 0.2)
+"""Shares of the speed. For each, the advice names what changes mean and scatter of the speed by less."""
 
 
 class EffectChanges(NamedTuple):
@@ -75,10 +71,24 @@ def format_change(number: Quantity) -> str:
     )
 
 
+def format_signed(number: Quantity) -> str:
+    """Format a change of the speed with its sign and its standard error; "-" without a value."""
+    return f"+{format_change(number)}" if number.value is not None and number.value > 0.0 else format_change(number)
+
+
+def format_share(ratio: Quantity) -> str:
+    """Format the share of the CPU time, in %, that an effect takes, from the ratio of the times without and with it."""
+    return "-" if ratio.value is None else f"{100.0 * (1.0 - ratio.value):.0f} %"
+
+
 def measure_active_effects(walker: Walker, progress: Progress) -> EffectChanges:
-    """Measure how speed and CPU time change when each active effect is switched off in turn, with ACTIVE_RUNS runs."""
+    """Measure how speed and CPU time change when each active effect is switched off in turn, with ACTIVE_RUNS runs.
+
+    The result has advice on effects to leave out.
+    """
     active = tuple(variants.effect_variants(walker, also_on=False))
-    return _measure_variants(walker, active, Runs(ACTIVE_RUNS), progress)
+    alone = _measure_variants(walker, active, Runs(ACTIVE_RUNS), progress)
+    return alone._replace(advice=_advise(walker, active, alone, Runs(ACTIVE_RUNS), progress))
 
 
 def measure_all_effects(walker: Walker, progress: Progress) -> EffectChanges:
@@ -89,20 +99,11 @@ def measure_all_effects(walker: Walker, progress: Progress) -> EffectChanges:
     budget_progress = _budget_progress(progress)
     candidates = tuple(variants.effect_variants(walker, also_on=True))
     alone = _measure_variants(walker, candidates, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), budget_progress)
-    omitted, level = _select_omissions(walker, candidates, alone)
-    changes, combined = (
-        list(alone.changes),
-        # The two largest changes together, and everything that may be left out together
-        [_combine(walker, _largest_variants(candidates, alone)), _combine(walker, omitted)],
-    )
-    further = tuple({variant.effect: variant for variant in combined if variant is not None}.values())
-    if further:
-        changes += _measure_variants(
-            walker, further, Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), budget_progress
-        ).changes
-    names = {variant.effect for variant in (*omitted, *combined[1:]) if variant is not None}
-    advisable = [change for change in changes if change.effect in names and _is_within(walker, alone, change, level)]
-    advice = _format_advice(min(advisable, key=lambda change: change.cpu.number), level) if advisable else NO_ADVICE
+    rest, changes = Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), list(alone.changes)
+    largest = _combine(walker, _largest_variants(candidates, alone))
+    if largest is not None:
+        changes += _measure_variants(walker, (largest,), rest, budget_progress).changes
+    advice = _advise(walker, candidates, alone, rest, budget_progress)
     return alone._replace(changes=tuple(sorted(changes, key=_change_size, reverse=True)), advice=advice)
 
 
@@ -144,29 +145,39 @@ def _largest_variants(candidates: Sequence[Variant], measured: EffectChanges) ->
 
 
 def _is_within(walker: Walker, measured: EffectChanges, change: Change, share: float) -> bool:
-    """Return whether a change is within a share of the speed in `measured`, with 95 % confidence."""
-    return variants.verdict(walker, measured.speed, change, Tolerance(share, relative=True)) is Verdict.AGREE
+    """Return whether a change of mean and scatter is within a share of those of `measured`, with 95 % confidence."""
+    mean = variants.verdict(walker, measured.speed, change, Tolerance(share, relative=True))
+    return mean is Verdict.AGREE and not change.changes_scatter(share)
 
 
-def _select_omissions(
-    walker: Walker, candidates: Sequence[Variant], measured: EffectChanges
-) -> tuple[list[Variant], float]:
-    """Return the variants to advise, which save time and change the speed by less than a level, and this level.
+def _advise(
+    walker: Walker, candidates: Sequence[Variant], alone: EffectChanges, until: Runs | Budget, progress: Progress
+) -> str:
+    """Return a sentence on what may be left out for each of ADVICE_LEVELS, and how much faster runs are without it.
 
-    The level is the smallest possible of ADVICE_LEVELS. Of variants that set no key of the scene, only the fastest is
-    returned. Without any variant the result is [] and 0.
+    Several effects are measured together `until` a rule has enough runs; if they change the speed by more, only the
+    slowest is named.
     """
+    together: dict[tuple[str, ...], Change] = {}
+    found = []
     for level in ADVICE_LEVELS:
+        pairs = zip(candidates, alone.changes, strict=True)
         fitting = [
-            (change.cpu.number, variant)
-            for variant, change in zip(candidates, measured.changes, strict=True)
-            if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, measured, change, level)
+            (variant, change)
+            for variant, change in pairs
+            if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, alone, change, level)
         ]
-        if fitting:
-            without_keys = [pair for pair in fitting if not pair[1].values]
-            chosen = [min(without_keys, key=lambda pair: pair[0])] if without_keys else fitting
-            return [variant for _, variant in chosen], level
-    return [], 0.0
+        names = tuple(variant.effect for variant, _ in fitting)
+        if len(names) > 1 and names not in together:
+            combined = _combine(walker, [variant for variant, _ in fitting])
+            if combined is not None:
+                (together[names],) = _measure_variants(walker, (combined,), until, progress).changes
+        best = min((change for _, change in fitting), key=lambda change: change.cpu.number, default=None)
+        if names in together and _is_within(walker, alone, together[names], level):
+            best = together[names]
+        gain = "" if best is None else f" ({formatting.format_number(1.0 / best.cpu.number, 2)} times as fast)"
+        found.append(f"for {100.0 * level:g} %: {'nothing' if best is None else best.effect}{gain}")
+    return f"may be left out {'; '.join(found)}"
 
 
 def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
@@ -177,13 +188,6 @@ def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
     for variant in chosen[1:]:
         combined = None if combined is None else variants.combine(walker, combined, variant)
     return combined
-
-
-def _format_advice(change: Change, share_limit: float) -> str:
-    """Advise to leave out an effect that changes the speed by less than this share of it."""
-    share, faster = f"{100.0 * share_limit:g} %", formatting.format_number(1.0 / change.cpu.number, 2)
-    gain = f"the speed changes by less than {share}, {faster} times as fast"
-    return f"leave out {change.effect}: {gain} (simulate ‹effects=›auto:{100.0 * share_limit:g}%)"
 
 
 def table(measured: EffectChanges) -> Table:

@@ -40,11 +40,15 @@ class Row(NamedTuple):
     """CPU time of the variant over that of the scene."""
 
 
-SHORT_COLUMNS = (
+CHANGE_COLUMNS = (
+    report.text_column("effect", "effect"),
+    Column("change without it\nmm/s", lambda row: measuring.format_signed(row.speed), True),
+    Column("its share of\nthe CPU time", lambda row: measuring.format_share(row.cpu), True),
+)
+SIZE_COLUMNS = (
     report.text_column("effect", "effect"),
     report.number_column("size", "number", 3),
-    Column("without it\nmm/s", lambda row: measuring.format_change(row.speed), True),
-    Column("CPU time\nwithout it", lambda row: measuring.format_factor(row.cpu), True),
+    report.text_column("of", "meaning"),
 )
 REASON_COLUMNS = (
     report.text_column("effect", "effect"),
@@ -52,6 +56,13 @@ REASON_COLUMNS = (
     report.number_column("size", "number", 3),
     Column("why", lambda row: f"{row.reason} ({row.meaning})" + (f"; switch {row.switch}" if row.switch else "")),
 )
+
+
+NOTE = (
+    "± is one standard error, from pairs of runs with common random numbers; a negative share: runs are slower without "
+    "the effect"
+)
+"""Note under a table of changes."""
 
 
 def explain(
@@ -105,29 +116,26 @@ def explain(
     )
     rows = _rows(effects, () if found is None else found.changes)
     row_facts = [column_values(row) for row in rows]
-    on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
+    columns, shown = _choose_columns(rows, found is not None, whole)
     effects_table = Table(
         "effects",
         [tuple(row.values()) for row in row_facts],
         [*row_facts[0]],
-        REASON_COLUMNS if whole else SHORT_COLUMNS,
-        read=rows if whole else on,
-        notes=[] if found is None else ["± is one standard error, from pairs of runs with common random numbers"],
+        columns,
+        read=shown,
+        notes=[] if found is None else [NOTE],
     )
     caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}"
+    headline = caption if found is None else f"{caption}: {measuring.format_change(found.speed)} mm/s"
     made = Report(
         name="explain",
         title="Effects",
-        caption=caption,
+        caption=headline,
         tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
         facts=_facts(row_facts, found) | (simple.facts if found is not None else {}),
         lines=[
-            *(
-                []
-                if whole
-                else [f"off: {', '.join(row.effect for row in off)}; ‹all› prints reasons and the meaning of sizes"]
-            ),
-            *([] if found is None or not measure else [found.advice]),
+            *([] if whole else _list_others(rows, shown)),
+            *([] if found is None else [found.advice]),
             *_format_omissions(simple, found is not None),
         ],
         warnings=[plan.resolved.idle] if plan.resolved.idle else [],
@@ -140,11 +148,26 @@ def explain(
     return made
 
 
+def _choose_columns(rows: Sequence[Row], measured: bool, whole: bool) -> tuple[Sequence[Column], list[Row]]:
+    """Return the columns of the table, and the rows that it shows."""
+    if whole:
+        return REASON_COLUMNS, list(rows)
+    on = [row for row in rows if row.on]
+    return (CHANGE_COLUMNS, [row for row in on if row.change]) if measured else (SIZE_COLUMNS, on)
+
+
+def _list_others(rows: Sequence[Row], shown: Sequence[Row]) -> list[str]:
+    """Return a line on the effects that are always on, if the table does not show them, and one on those off."""
+    always = ", ".join(row.effect for row in rows if row.on and row not in shown)
+    off = ", ".join(row.effect for row in rows if not row.on)
+    return [*([f"always on: {always}"] if always else []), f"off: {off}; ‹all› prints sizes and reasons"]
+
+
 def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
     """Make the rows of all effects, with their measured changes."""
     by_effect: Mapping[str, Change] = {change.effect: change for change in reversed(changes)}
     unmeasured = Change("", "", Quantity("change", "mm_s", None), Quantity("cpu_ratio", "", None))
-    return [Row(*effect, *by_effect.get(effect.name, unmeasured)[1:]) for effect in effects]
+    return [Row(*effect, *by_effect.get(effect.name, unmeasured)[1:4]) for effect in effects]
 
 
 def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
