@@ -1,7 +1,7 @@
 """Readers: bodies from drawings, letters and meshes; automatic placement of legs; marks and caps.
 
 These are the functions that the core requires (`Readers` in `walkergen/core/walker/resolve.py`). Each loads its module
-when it is first used, so that a plain walker waits for none of them.
+when it is first used, so that a walker with a plain body loads none of them.
 """
 
 from importlib import import_module
@@ -20,7 +20,7 @@ _FUNCTIONS = {
 
 
 def __getattr__(name: str) -> Any:
-    """Return a function of the readers by name. Load its module when it is first used."""
+    """Return a function of `_FUNCTIONS` by name. Its module is loaded when the function is first used."""
     for module, functions in _FUNCTIONS.items():
         if name in functions:
             return getattr(import_module(f"{__name__}.walkers.{module}"), name)

@@ -34,8 +34,8 @@ class Drawing(NamedTuple):
     """Contents of a file of drawings."""
 
     contours: Sequence[Array]
-    """Polygons in mm, y up, shape (n, 2) each; the last point is joined to the first. Every second one inward is a
-    hole."""
+    """Polygons in mm, y up, shape (n, 2) each; the last point is joined to the first. Every second
+    contour inward is a hole."""
     notes: tuple[str, ...] = ()
     """Notes on what was left out or mended, a few words each."""
     contacts: Sequence[Array] = ()
@@ -43,13 +43,13 @@ class Drawing(NamedTuple):
 
 
 def area(polygon: Array) -> float:
-    """Return the area enclosed by a polygon, negative when its points go clockwise."""
+    """Return the area enclosed by a polygon, shape (n, 2), negative when its points go clockwise."""
     x, y = (polygon - polygon[:1]).T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
-    """Return points on a curve, from its start to its end, whose chords are within `tolerance` of the curve.
+    """Return points on a curve from start to end, shape (n, 2), with chords within `tolerance` of the curve.
 
     `curve` takes parameters of 0 to 1, shape (n,), and returns points (n, 2). Chords are halved
     until the curve's points over their middles are within the tolerance, or there are MAX_CHORDS.

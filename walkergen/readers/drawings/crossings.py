@@ -21,7 +21,7 @@ LEAF_SIZE = 4
 """Triangles of a leaf of the tree."""
 
 MAX_CORNER_TRIANGLES = 32
-"""Maximum number of triangles in a corner that is not crowded. Those of a crowded one are neighbours in the order."""
+"""Maximum number of triangles at a corner that is not crowded. Those at a crowded one are neighbours in the order."""
 
 MORTON_BITS = 16
 MORTON_MASKS = ((16, 0x0000FF0000FF), (8, 0x00F00F00F00F), (4, 0x0C30C30C30C3), (2, 0x249249249249))
@@ -36,7 +36,7 @@ class Crossings(NamedTuple):
 
     number: int
     pair: tuple[int, int]
-    """One such pair; (-1, -1) without any."""
+    """Indices of the triangles of one such pair; (-1, -1) without any."""
 
 
 class OrderedTriangles(NamedTuple):
@@ -59,7 +59,7 @@ class OrderedTriangles(NamedTuple):
 
 
 class Tree(NamedTuple):
-    """Heap of boxes: node 1 is all, the leaves follow from `leaves` on."""
+    """Binary heap of bounding boxes: node 1 is the root, and the leaves begin at node `leaves`."""
 
     leaves: int
     low: Array
@@ -112,7 +112,7 @@ def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
 
 
 def _crowded_corners(triangles: Whole) -> Whole:
-    """Return each triangle's corner with the most triangles if that corner is crowded, else -1, shape (k,)."""
+    """Return the vertex of each triangle that the most triangles share, or -1 if it is not crowded, shape (k,)."""
     valences = np.bincount(triangles.ravel())[triangles]
     most = valences.argmax(axis=1)
     rows = np.arange(len(triangles))

@@ -45,10 +45,10 @@ ANNOTATIONS = {
 """Entities that explain or colour a drawing and are no outline."""
 
 NOTED_ANNOTATIONS = {"ATTDEF", "ATTRIB", "HATCH", "MTEXT", "TEXT"}
-"""Those that a person may have meant to be cut all the same."""
+"""Annotations that a user may have meant to be cut; a note says that they are left out."""
 
 BINARY_SIGNATURE = b"AutoCAD Binary DXF"
-"""Beginning of a file that is no text."""
+"""Beginning of a binary DXF file."""
 
 UNPLOTTED_LAYER = "defpoints"
 """Layer that no program plots, with any settings."""
@@ -69,7 +69,7 @@ PAPER_SIZES_MM = (
 """Sides of sheets of paper, mm: A5 to A0, letter, tabloid."""
 
 PAPER_TOLERANCE_MM = 0.5
-"""Maximum sum of the differences between a rectangle and such a sheet, mm."""
+"""Maximum sum of the differences between a rectangle's sides and those of a sheet, mm."""
 
 MIN_BORDER_SHARE = 0.9
 """Minimum size of a rectangle that is a sheet's border, as a share of the sheet along both sides."""
@@ -130,7 +130,7 @@ def _fixed_metadata() -> Iterator[None]:
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Read the closed contours of a DXF file's model space, in mm. Every second one inward is a hole.
+    """Read the closed contours of a DXF file's model space, in mm. Every second contour inward is a hole.
 
     Lines and curves that meet within MAX_END_GAP are joined, and shorter ones left out. Left out are also layers that
     are hidden or do not plot, ANNOTATIONS and, with a note, lines drawn twice and the frame of a sheet. `scale_mm` (mm
@@ -144,7 +144,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Return the shape in the bytes of a DXF file, and notes. The library may raise any exception."""
+    """Return the contours, in mm, in the bytes of a DXF file, and notes. The library may raise any exception."""
     _check_ellipse_ratios(data, source)
     document = _parse_document(data)
     scale = _mm_per_unit(document, data, source) if scale_mm is None else scale_mm
@@ -183,7 +183,7 @@ def _polyline_width(entity: Any) -> float:
 
 
 def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
-    """Return the curves without repetitions, in either direction, and the number of these.
+    """Return the curves without those drawn twice, in either direction, and the number of curves removed.
 
     Curves are equal if their ends and middles are in the same cells of a grid of 10 `gap`.
     """
@@ -198,7 +198,7 @@ def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array]
 
 
 def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
-    """Return the contours without the frame of a sheet of paper around all others and the border in it, and notes."""
+    """Return the contours without the frames and borders of a paper sheet around all others, and notes."""
     notes: list[str] = []
     sheet = np.full(2, np.inf)  # width and height of the frame found last
     while (index := _find_frame(contours)) is not None:
@@ -266,7 +266,7 @@ def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> flo
 
 
 def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
-    """Return visible lines and curves of the model space, with blocks and polylines split, and notes on others.
+    """Return visible lines and curves of the model space, with blocks and polylines split, and notes on the others.
 
     In a block, layer 0 is the layer of its insertion. If that layer is off, entities on other layers still show.
     """
@@ -308,7 +308,7 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
 
 
 def _normalize_ellipse(ellipse: Any) -> Any:
-    """Let a complete ellipse begin at parameter 0, in place, and return it: programs begin it anywhere."""
+    """Return the ellipse, changed in place to begin at parameter 0 if it is complete: programs begin it anywhere."""
     turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
     if abs(turns - round(turns)) < FULL_TURN_TOLERANCE:
         ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
@@ -323,7 +323,7 @@ def _drop_control_points(polyline: Any) -> None:
 
 
 def _drawing_size(entities: Sequence[Any], source: str) -> float:
-    """Return the longer side of the drawing's contents, in units of the drawing."""
+    """Return the longer side of the entities' bounding box, in units of the drawing. Raises InputError if unknown."""
     from ezdxf import bbox
 
     box = bbox.extents(entities, fast=True)
@@ -335,7 +335,7 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
 
 
 def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Return all contours, open curves joined to them, and notes on closed gaps. `size`: the drawing's longer side."""
+    """Join open curves to closed contours. Return all contours, and notes on closed gaps. `size`: the longer side."""
     gap, contours, open_curves = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
@@ -379,7 +379,7 @@ def _join_ends(curves: Sequence[Array], gap: float, source: str) -> tuple[list[A
             raise InputError(f"{source}: three or more lines meet in {_format_point(end)}. Keep only the outline.")
     chains, joints = [], []
     for chain in edgeminer.find_all_simple_chains(deposit):
-        # An edge that was turned around in its chain still bears its points as they were drawn.
+        # The points of an edge that is reversed in its chain are still in the order of the drawing.
         parts = [edge.payload[::-1] if edge.is_reverse else edge.payload for edge in chain]
         joints += [(one[-1], math.dist(one[-1], other[0])) for one, other in itertools.pairwise(parts)]
         chains.append(np.vstack([parts[0], *(part[1:] for part in parts[1:])]))

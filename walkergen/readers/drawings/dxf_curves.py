@@ -15,9 +15,9 @@ from walkergen.readers.drawings.contours import flatten
 
 
 def entity_points(entity: Any, tolerance: float, source: str) -> Array:
-    """Return the points of a line or curve of ezdxf, in units of the drawing, shape (n, 2). A loop's ends meet.
+    """Return the points of a line or curve, in the drawing's units, shape (n, 2). Closed curves repeat their start.
 
-    Raises InputError, which begins with `source`, for what is no curve, draws nothing, or leaves the plane.
+    Raises InputError, which begins with `source`, for an entity that is no curve, draws nothing, or leaves the plane.
     """
     kind = entity.dxftype()
     if kind == "LINE":
@@ -40,7 +40,7 @@ def entity_points(entity: Any, tolerance: float, source: str) -> Array:
 
 
 def _spline_points(entity: Any, tolerance: float) -> list[Any]:
-    """Return the points of a spline. If it is closed and its ends do not meet, it is continued to its start."""
+    """Return the points of a spline. If it is marked as closed but its ends are apart, it is continued to its start."""
     from scipy.interpolate import BSpline, CubicSpline
 
     control_points, degree = np.array([tuple(point) for point in entity.control_points], dtype=float), entity.dxf.degree
@@ -70,12 +70,12 @@ def _is_unclamped(spline: Any) -> bool:
 
 
 def _sample_curve(curve: Any, knots: Array, tolerance: float) -> list[Any]:
-    """Return points of a curve, a function of its parameter, over all its knots. A fourth coordinate is a weight."""
+    """Return points of a curve, a function of its parameter, from its first to its last knot. See `_evaluate_span`."""
     spans = [flatten(partial(_evaluate_span, curve, low, high), tolerance) for low, high in itertools.pairwise(knots)]
     return [*(point for span in spans for point in span[:-1]), spans[-1][-1]]
 
 
 def _evaluate_span(curve: Any, low: float, high: float, shares: Array) -> Array:
-    """Return points of a curve between two knots, at `shares` (0 to 1) of the way, shape (n, 3)."""
+    """Return points between two knots, at `shares` (0 to 1), shape (n, 3). A curve's fourth coordinate is a weight."""
     points = np.asarray(curve(low + shares * (high - low)))
     return points[..., :3] / points[..., 3:] if points.shape[-1] == 4 else points

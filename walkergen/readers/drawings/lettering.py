@@ -36,7 +36,7 @@ def text_outline(
     rails: float | None = None,
     font: Path | None = None,
 ) -> list[Polygon]:
-    """Return the outline of a line of text. `height` is that of a capital without overshoot, H, in mm.
+    """Return the outline of a line of text. `height`: of the capital H, in mm.
 
     With `rails`, two bars of this width (mm) join the letters along the feet and the tops of capitals. `font` is a
     font's file, by default DejaVu Sans. If `connected`, the outline must be one piece, as for a body. Raises
@@ -92,7 +92,7 @@ def _suggest_font(character: str) -> str:
 
 
 def _add_rails(contours: list[Polygon], height: float, width: float) -> list[Polygon]:
-    """Unite the contours of a text with two bars of this width, mm, about its feet and about its tops at `height`."""
+    """Unite the contours of a text with two bars of this width, mm: at its foot (y = 0) and at `height`."""
     x = np.concatenate(contours)[:, 0]
     left, right = float(x.min()), float(x.max())
     bars = [
@@ -103,7 +103,7 @@ def _add_rails(contours: list[Polygon], height: float, width: float) -> list[Pol
 
 
 def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
-    """Raise GeometryError, which begins with `where`, if letters, or parts of one, do not touch, and name them."""
+    """Raise GeometryError, which begins with `where` and names the letters, if letters or their parts do not touch."""
     if rails is not None or _count_pieces(text, font) == 1:  # `from_contours` reports what rails leave apart
         return
     broken = [letter for letter in dict.fromkeys(text) if letter != " " and _count_pieces(letter, font) > 1]
@@ -120,7 +120,7 @@ def _check_connected(text: str, where: str, rails: float | None, font: str) -> N
 
 
 def _count_pieces(text: str, font: str) -> int:
-    """Return the number of separate pieces that a text is drawn in."""
+    """Return the number of separate pieces of a text in a font file."""
     return sum(area(contour) > 0.0 for contour in _text_contours(text, font))
 
 

@@ -108,12 +108,12 @@ def from_file(
     mend: bool = False,
     connected: bool = True,
 ) -> Outline:
-    """Return the outline of what a drawing or a picture shows, as people see it (SVG has y down).
+    """Return the outline of the body that a drawing or a picture shows, with y up.
 
-    Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm` the
-    length of the whole. Where lines are outlines, as in DXF, a path inside another is a hole, and so on alternately;
-    with `mend`, paths that cross or touch are united. If `connected`, there must be one piece. Raises InputError for a
-    file that cannot be read as such (see svg.py, dxf.py and silhouette.py), NoUnitError for one that states no unit,
+    The file states the unit, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm` the length of all.
+    Where lines are outlines, as in DXF, a path inside another is a hole, and so on alternately; with `mend`,
+    paths that cross or touch are united. If `connected`, there must be one piece. Raises InputError for a file that
+    cannot be read (see svg.py, dxf.py and silhouette.py), NoUnitError for one that states no unit,
     GeometryError for a shape that `from_contours` refuses. All begin with `source` = the name.
     """
     where = f"{source} = {path.name!r}"
@@ -141,18 +141,18 @@ def from_file(
 
 
 def _scale_to_length(drawing: Drawing, length: float) -> Drawing:
-    """Scale a drawing until all of it has this length, mm."""
+    """Return a drawing scaled to this length along x, mm."""
     x = np.concatenate([contour[:, 0] for contour in drawing.contours] or [np.zeros(1)])
     extent = float(np.ptp(x))
     scale = length / extent if 0.0 < extent < np.inf else 1.0
-    contours, contacts = ([scale * points for points in each] for each in (drawing.contours, drawing.contacts))
+    contours, contacts = ([scale * points for points in group] for group in (drawing.contours, drawing.contacts))
     return drawing._replace(contours=contours, contacts=contacts)
 
 
 def from_contours(
     contours: Sequence[Polygon], source: str, connected: bool = True, contacts: Sequence[Array] = ()
 ) -> list[Polygon]:
-    """Return the outline of contours: checked, sorted and centred. Every second one inward is a hole.
+    """Return the contours of an outline, checked, sorted and centred. Every second contour inward is a hole.
 
     Raises GeometryError, which begins with `source`, for an outline without contours or area, with
     a number that is not finite, beyond MAX_POINTS, MAX_CONTOURS or the sizes allowed, with
@@ -173,10 +173,10 @@ def from_contours(
     points = np.vstack(pieces)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return [
-        _orient_contour(contour - middle, counter_clockwise=not wanted)
-        for wanted in (False, True)
+        _orient_contour(contour - middle, counter_clockwise=not wants_holes)
+        for wants_holes in (False, True)
         for contour, is_hole in zip(contours, are_holes, strict=True)
-        if is_hole == wanted
+        if is_hole == wants_holes
     ]
 
 
@@ -191,7 +191,7 @@ def _refuse_pieces(pieces: Sequence[Polygon], contacts: Sequence[Array]) -> NoRe
 
 
 def _drop_repeated_points(contour: Polygon) -> Polygon:
-    """Drop points of a contour that their successor repeats."""
+    """Return a contour without points that the next point repeats."""
     kept: Polygon = contour[np.any(contour != np.roll(contour, -1, axis=0), axis=1)]
     return kept
 
@@ -252,7 +252,7 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
 
 
 def _find_holes(contours: Sequence[Polygon]) -> list[bool]:
-    """Return for each contour whether it lies within one other, or three, and so on."""
+    """Return for each contour whether it is a hole: it lies within an odd number of others."""
     from shapely import STRtree, points, polygons
 
     starts = points(np.array([contour[0] for contour in contours]))  # contours do not cross: a point will do

@@ -37,37 +37,38 @@ a body of 28 mm."""
 
 
 class Frame(NamedTuple):
-    """Frame of the regions of a drawing."""
+    """Frame of coordinates in which manifold3d handles a drawing: centred, and scaled to REGION_SIZE."""
 
     middle: Array
+    """Origin of the frame in the drawing's units, shape (2,)."""
     scale: float
-    """Units of a region in one of the drawing."""
+    """Units of the frame per unit of the drawing."""
 
     def region(self, contours: Iterable[Array], nonzero: bool) -> Region:
-        """Return the region that contours fill by the rule nonzero, or else even-odd."""
+        """Return the region that contours (in drawing's units) fill by the rule nonzero, or else even-odd."""
         rule = manifold3d.FillRule.NonZero if nonzero else manifold3d.FillRule.EvenOdd
         return Region([self.scale * (contour - self.middle) for contour in contours if len(contour) > 2], rule)
 
     def contours(self, region: Region) -> list[Array]:
-        """Return the contours of a region in units of the drawing, without what is too small to be drawn."""
+        """Return the contours of a region in the drawing's units, without pieces and holes that are too small."""
         rings = [(ring, area(ring) / REGION_SIZE**2) for ring in region.to_polygons()]
         return [self.to_drawing(ring) for ring, share in rings if share > MIN_AREA_SHARE or share < -MIN_HOLE_SHARE]
 
     def to_drawing(self, points: Array) -> Array:
-        """Return points of a region in units of the drawing."""
+        """Convert points from this frame to the drawing's units, shape (n, 2)."""
         return np.asarray(points, dtype=np.float64) / self.scale + self.middle
 
 
 def frame_of(points: Array) -> Frame:
-    """Return the frame for a drawing with these points, shape (n, 2)."""
+    """Return the frame whose origin is the middle of a drawing's points, shape (n, 2)."""
     low, high = points.min(axis=0), points.max(axis=0)
     return Frame(0.5 * (low + high), REGION_SIZE / (float((high - low).max()) or 1.0))
 
 
 def unite_contours(contours: Sequence[Array]) -> tuple[list[Array], list[Array]]:
-    """Unite contours that cross or touch. Return those of their union, and the points in which it touches itself.
+    """Unite contours that cross or touch. Return the contours of the union, and the points in which these touch.
 
-    One that lies within the others is a hole in them, and so on alternately; one that crosses them is united with them.
+    A contour within the others is a hole, and so on alternately. A contour that crosses the others is united with them.
     """
     frame, union = frame_of(np.vstack(contours)), Region()
     regions = [frame.region([contour], nonzero=False) for contour in contours]
@@ -78,21 +79,21 @@ def unite_contours(contours: Sequence[Array]) -> tuple[list[Array], list[Array]]
 
 
 def separate_contours(region: Region, frame: Frame) -> tuple[list[Array], list[Array]]:
-    """Return contours of a region that do not touch, and the points in which it touched itself, in the drawing's units.
+    """Return contours of a region, cut apart where they touch, and these points, both in the drawing's units.
 
-    Slits are closed. A point holds nothing together: the region is open there by CONTACT_RADIUS.
+    Slits are closed. A single point joins no parts: the region is cut open there by CONTACT_RADIUS.
     """
     region = _grow(_grow(_grow(region, -ROUNDING), 2.0 * ROUNDING), -ROUNDING).simplify(MAX_CONTACT_GAP)
     slits = _grow(_grow(region, 0.5 * MAX_SLIT), -0.5 * MAX_SLIT) - region
-    cut = _discs(find_contacts(region))
+    cut = _discs_about(find_contacts(region))
     wide = [slit for slit in slits.decompose() if slit.area() > ROUNDING * MAX_SLIT and (slit ^ cut).is_empty()]
     region = unite([region, *(_grow(slit, ROUNDING) for slit in wide)]).simplify(MAX_CONTACT_GAP)
     contacts = find_contacts(region)
-    return frame.contours(region - _discs(contacts)), [frame.to_drawing(point) for point in contacts]
+    return frame.contours(region - _discs_about(contacts)), [frame.to_drawing(point) for point in contacts]
 
 
-def _discs(points: Sequence[Array]) -> Region:
-    """Return small discs about points."""
+def _discs_about(points: Sequence[Array]) -> Region:
+    """Return the union of discs of CONTACT_RADIUS about points."""
     return unite([Region.circle(CONTACT_RADIUS, 16).translate(point) for point in points])
 
 
@@ -107,7 +108,7 @@ def _grow(region: Region, distance: float) -> Region:
 
 
 def find_contacts(region: Region) -> list[Array]:
-    """Return the points in which contours of a region touch themselves or each other, shape (2,) each."""
+    """Return the points in which contours of a region touch themselves or each other, shape (2,) each, in its frame."""
     import shapely
 
     rings = [np.asarray(ring, dtype=np.float64) for ring in region.to_polygons()]

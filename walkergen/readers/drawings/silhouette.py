@@ -1,7 +1,7 @@
 """Silhouettes: the outline of what a picture shows, PNG or JPG, against a background of another brightness.
 
-What is opaque is the shape where a picture has transparency; else brightness is divided in two by Otsu's
-threshold (1979), and the background is what most of the picture's edge shows.
+In a picture with transparency, the opaque area is the shape. In others, Otsu's threshold (1979) divides
+brightness in two, and the background is the half that most of the picture's edge shows.
 """
 
 import io
@@ -35,7 +35,7 @@ class Silhouette(NamedTuple):
     """Shape that was found in a picture."""
 
     image: Array
-    """Brightness, or opacity, of 0 to 1, in rows from above."""
+    """Brightness or opacity of the pixels, 0 to 1, rows from the top, shape (height, width)."""
     contours: list[Array]
     """Contours in pixels, x to the right, y downward."""
     notes: tuple[str, ...]
@@ -46,7 +46,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Return the contours of a picture's shape, in mm, y up. `scale_mm`: mm per pixel after its reduction.
 
     Pictures with more than MAX_SIDE_PIXELS along a side are reduced to that. Raises InputError, which begins with
-    `source`, for what is no picture or shows no shape, and NoUnitError without a scale.
+    `source`, for a file that is no picture or shows no shape, and NoUnitError without a scale.
     """
     if scale_mm is None:
         raise NoUnitError(f"{source}: a picture has no size in mm. Set body.length_mm.")
@@ -77,7 +77,7 @@ def trace(path: Path, source: str) -> Silhouette:
 
 
 def _brightness(data: bytes, source: str) -> tuple[Array, str]:
-    """Return a picture as an array of 0 to 1 in rows from above, and what it means: "brightness" or "opacity"."""
+    """Return the pixels of a picture, 0 to 1, rows from the top, and their quantity: "brightness" or "opacity"."""
     from PIL import Image, ImageOps
 
     picture: Image.Image = Image.open(io.BytesIO(data))
@@ -106,7 +106,7 @@ def _otsu_threshold(image: Array) -> float:
 
 
 def _trace_contours(image: Array, threshold: float) -> tuple[list[Array], int]:
-    """Return the contours of areas brighter than a threshold, in pixels, and the number of specks that are left out."""
+    """Return contours, in pixels, of areas brighter than a threshold, and the number of specks that are left out."""
     import shapely
     from contourpy import contour_generator
     from scipy.ndimage import gaussian_filter

@@ -6,7 +6,7 @@ from functools import partial
 from walkergen.core.errors import InputError, Remedy
 
 MIN_LENGTH_MM, MAX_LENGTH_MM = 1.0, 500.0
-"""Least and greatest length of the longest side of a body, mm, that is taken without asking back."""
+"""Least and greatest length of the longest side of a body, mm, that is accepted."""
 
 MAX_INCH_SIZE_MM = 3.0
 """Length of the longest side of a mesh below which it may be in inches, mm."""
@@ -19,9 +19,9 @@ DEFAULT_LENGTH_MM = 28.0
 
 
 def readings(size: float, scale_mm: float) -> Iterator[tuple[str, float, float]]:
-    """Yield other units of a file: name, length of the longest side and of the unit, mm, if a walker has that length.
+    """Yield units in which a body would have a walker's size: name, resulting longest side, and length of the unit, mm.
 
-    `size`, mm, is the length of the longest side, with a unit of `scale_mm` mm.
+    `size`, mm, is the longest side if the file's unit is `scale_mm` mm.
     """
     for name, unit in UNITS_MM.items():
         if MIN_LENGTH_MM <= size * unit <= MAX_LENGTH_MM:
@@ -31,7 +31,7 @@ def readings(size: float, scale_mm: float) -> Iterator[tuple[str, float, float]]
 def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:
     """Raise InputError, which begins with `source`, for a body that is too small or large, and suggest other units.
 
-    `size`, mm, is that of the longest side, `scale_mm` the millimetres of the file's unit that it was read with.
+    `size`, mm, is the longest side if the file's unit is `scale_mm` mm.
     """
     if MIN_LENGTH_MM < size <= MAX_LENGTH_MM:
         return

@@ -71,10 +71,10 @@ def pack(polygons: Sequence[Array]) -> bytes:
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Read the contours of what an SVG file shows, in mm, y up: what differs in colour from the paper is the body.
+    """Read the contours of the body in an SVG file, in mm, y up: all that differs in colour from the paper.
 
     Shapes are painted in their order over white paper, or over a coloured rectangle as large as the page. Lines thinner
-    than MAX_LINE_SHARE have no area. A drawing of nothing but thin closed lines is one of outlines, as DXF is.
+    than MAX_LINE_SHARE have no area. If a drawing has only thin closed lines, they are outlines, as in DXF.
     `scale_mm` (mm per unit of the drawing, that of its viewBox) takes precedence over the size that the file states.
     Raises InputError, which begins with `source`, for a file that is no SVG, states no size in mm, cm, in, pt or pc
     while `scale_mm` is None, shows a picture or text, or an open outline.
@@ -96,7 +96,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     tree = svg_elements.Tree(root, source)
     try:
         svg_styles.apply_styles(root, source)
-        root.attrib.update(stated)  # styles of the page are of a window, as 100 %
+        root.attrib.update(stated)  # a style sheet may set the page to the window's size, such as 100 %
         scale = _mm_per_unit(root, source) if scale_mm is None else (scale_mm, scale_mm)
         page = _page_box(root, source)
         visible = tree.visible_shapes(page[2:])
@@ -110,8 +110,8 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     notes = [*_omission_notes(tree), *drawing.notes]
     if _is_beyond_page(drawing.contours, page):
         notes.append("took whole what the page's edge cuts in a browser")
-    to_mm = np.array([scale[0], -scale[1]])  # people see y down; the body has it up
-    contours, contacts = ([points * to_mm for points in each] for each in (drawing.contours, drawing.contacts))
+    to_mm = np.array([scale[0], -scale[1]])  # y is down in SVG, and up in the body
+    contours, contacts = ([points * to_mm for points in group] for group in (drawing.contours, drawing.contacts))
     return Drawing(contours, tuple(notes), contacts)
 
 
@@ -139,9 +139,9 @@ def _paint_shapes(visible: "Sequence[VisibleShape]", page: Sequence[float], sour
     outlined = [shape for shape in shapes if 0.0 < line_width(shape) <= thin]
     unfilled = [shape for shape in outlined if shape.fill.alpha == 0.0]
     if body.is_empty() and outlined:
-        return Drawing(_outlines(outlined, frame, source), notes)
+        return Drawing(_thin_line_contours(outlined, frame, source), notes)
     if unfilled:
-        contours = _outlines(unfilled, frame)
+        contours = _thin_line_contours(unfilled, frame)
         around = frame.region(contours, nonzero=False)
         outside, share = (body - around).area(), MIN_MARGIN_SHARE * body.area()
         if outside < share and around.area() > body.area() + share:
@@ -153,8 +153,8 @@ def _paint_shapes(visible: "Sequence[VisibleShape]", page: Sequence[float], sour
     return Drawing(contours, notes, contacts)
 
 
-def _outlines(shapes: "Sequence[VisibleShape]", frame: Frame, source: str | None = None) -> list[Array]:
-    """Return the contours of thin lines. Open ones are left out; with `source`, they raise InputError."""
+def _thin_line_contours(shapes: "Sequence[VisibleShape]", frame: Frame, source: str | None = None) -> list[Array]:
+    """Return the contours that thin lines draw. Open lines are left out, or raise InputError if `source` is given."""
     from walkergen.readers.drawings.svg_areas import filled_area, subpaths
 
     contours = []
@@ -175,10 +175,10 @@ def _outlines(shapes: "Sequence[VisibleShape]", frame: Frame, source: str | None
 def _choose_paper(
     visible: "Sequence[VisibleShape]", page: Sequence[float]
 ) -> "tuple[Sequence[VisibleShape], Colour, tuple[str, ...]]":
-    """Return the shapes on the paper, its colour, and notes. `page`: left, top, width and height.
+    """Return the shapes on the paper, the paper's colour, and notes. `page`: left, top, width and height.
 
-    White rectangles and thin frames as large as the page are paper. A coloured one below all others is, if one of these
-    has a third colour, and all are apart from the page's edge.
+    White rectangles and thin frames as large as the page are paper. A coloured rectangle below all shapes is paper if a
+    shape has a third colour, and all are apart from the page's edge.
     """
     from walkergen.readers.drawings.svg_paints import WHITE
 

@@ -1,4 +1,4 @@
-"""Areas of an SVG drawing's shapes: paths become points, points become what fills and lines cover, cut by clips."""
+"""Areas that an SVG drawing's shapes cover with their fills and lines, cut by clips."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -51,24 +51,26 @@ def subpaths(shape: "VisibleShape", size: float) -> Iterator[Subpath]:
 
 
 def filled_area(shape: "VisibleShape", frame: Frame) -> Region:
-    """Return the area that a shape fills, cut by its clips. Open subpaths are closed."""
+    """Return the area that a shape fills, cut by its clips, as a region in `frame`. Open subpaths are closed."""
     contours = [subpath.points for subpath in subpaths(shape, REGION_SIZE / frame.scale)]
-    return _clip(frame.region(contours, shape.nonzero), shape, frame)
+    return _apply_clips(frame.region(contours, shape.nonzero), shape, frame)
 
 
 def line_area(shape: "VisibleShape", line: "Line", frame: Frame) -> Region:
-    """Return the area that a shape's line covers, cut by its clips."""
+    """Return the area that a shape's line covers, cut by its clips, as a region in `frame`."""
     import shapely
 
     size = REGION_SIZE / frame.scale
     tolerance = FLATNESS * size / max(float(np.linalg.norm(shape.matrix[:, :2], 2)), 1e-300)
     covered = [
-        _stroke(part, line, tolerance) for subpath in subpaths(shape, size) for part in _dashes(subpath, line.style)
+        _stroke_area(part, line, tolerance)
+        for subpath in subpaths(shape, size)
+        for part in _split_into_dashes(subpath, line.style)
     ]
     parts = shapely.get_parts(shapely.union_all(covered))
     rings = [np.asarray(ring.coords) for part in parts for ring in (part.exterior, *part.interiors)]
     linear, offset = shape.matrix[:, :2], shape.matrix[:, 2]
-    return _clip(frame.region([ring @ linear.T + offset for ring in rings], nonzero=False), shape, frame)
+    return _apply_clips(frame.region([ring @ linear.T + offset for ring in rings], nonzero=False), shape, frame)
 
 
 def line_width(shape: "VisibleShape") -> float:
@@ -76,15 +78,15 @@ def line_width(shape: "VisibleShape") -> float:
     return shape.line.width * mean_stretch(shape.matrix) if shape.line else 0.0
 
 
-def _clip(region: Region, shape: "VisibleShape", frame: Frame) -> Region:
+def _apply_clips(region: Region, shape: "VisibleShape", frame: Frame) -> Region:
     """Cut a region by the clips of a shape."""
     for clip in shape.clips:
-        region = region ^ _window(clip, frame)
+        region = region ^ _clip_area(clip, frame)
     return region
 
 
-def _window(clip: "Clip", frame: Frame) -> Region:
-    """Return the area that a clip leaves: the union of its shapes, or where its mask is light."""
+def _clip_area(clip: "Clip", frame: Frame) -> Region:
+    """Return the area that a clip leaves visible: the union of its shapes, or where its mask is light."""
     if not clip.is_mask:
         return unite([filled_area(shape, frame) for shape in clip.shapes])
     painted = svg_painting.paint(coats(clip.shapes, frame, 0.0))
@@ -93,7 +95,7 @@ def _window(clip: "Clip", frame: Frame) -> Region:
 
 
 def coats(shapes: "Sequence[VisibleShape]", frame: Frame, thinnest: float) -> "list[svg_painting.Coat]":
-    """Return what is painted, from below. Lines thinner than `thinnest`, in the drawing's units, have no area."""
+    """Return the coats of paint of shapes, lowest first. Lines no wider than `thinnest` (drawing's units) have none."""
     found = []
     for shape in shapes:
         parts = []
@@ -107,8 +109,8 @@ def coats(shapes: "Sequence[VisibleShape]", frame: Frame, thinnest: float) -> "l
     return found
 
 
-def _dashes(subpath: Subpath, style: Mapping[str, str]) -> list[Subpath]:
-    """Return the dashes of a subpath's line, or the subpath itself for a line that is drawn through."""
+def _split_into_dashes(subpath: Subpath, style: Mapping[str, str]) -> list[Subpath]:
+    """Return the dashes of a subpath's line, or the subpath itself for a line without dashes."""
     from shapely import LineString
     from shapely.ops import substring
 
@@ -129,7 +131,7 @@ def _dashes(subpath: Subpath, style: Mapping[str, str]) -> list[Subpath]:
     return dashes
 
 
-def _stroke(subpath: Subpath, line: "Line", tolerance: float) -> "BaseGeometry":
+def _stroke_area(subpath: Subpath, line: "Line", tolerance: float) -> "BaseGeometry":
     """Return the area that a line along a subpath covers, in the shape's units."""
     import shapely
 
@@ -147,11 +149,11 @@ def _stroke(subpath: Subpath, line: "Line", tolerance: float) -> "BaseGeometry":
         return shapely.LineString(path).buffer(radius, quad_segs=quarter, cap_style=cap, join_style="round")
     is_bevel = style.get("stroke-linejoin", "") == "bevel"
     limit = 1.0 if is_bevel else parse_length(style.get("stroke-miterlimit", "4"), 0.0, 0.0, 0.0)
-    return _mitered(points, subpath.closed, radius, limit, cap)
+    return _mitred_area(points, subpath.closed, radius, limit, cap)
 
 
-def _mitered(points: Array, closed: bool, radius: float, limit: float, cap: Any) -> "BaseGeometry":
-    """Return the area along points of a line with pointed corners, where these are no longer than the limit."""
+def _mitred_area(points: Array, closed: bool, radius: float, limit: float, cap: Any) -> "BaseGeometry":
+    """Return the area of a line along points, with pointed corners where `limit` (the SVG miter limit) allows them."""
     import shapely
 
     whole = np.vstack([points, points[:1]]) if closed else points

@@ -60,9 +60,9 @@ class VisibleShape(NamedTuple):
     path: "svgelements.Path"
     """Its geometry in its own units."""
     matrix: Array
-    """From there to the drawing's units, shape (2, 3)."""
+    """Transform from the shape's units to the drawing's, shape (2, 3)."""
     nonzero: bool = True
-    """Fill rule."""
+    """Fill rule: True for nonzero, False for evenodd."""
     fill: Colour = BLACK
     line: Line | None = None
     clips: "tuple[Clip, ...]" = ()
@@ -72,7 +72,7 @@ class VisibleShape(NamedTuple):
 
 
 class Clip(NamedTuple):
-    """Window: the union of shapes, or where a mask is light."""
+    """Area to which a shape is cut: the union of shapes, or where a mask is light."""
 
     shapes: tuple[VisibleShape, ...]
     is_mask: bool = False
@@ -87,20 +87,20 @@ class Context(NamedTuple):
     style: Mapping[str, str]
     """Inherited properties."""
     view: tuple[float, float]
-    """Width and height that percents are of."""
+    """Width and height that percentages refer to."""
     clips: tuple[Clip, ...] = ()
     layers: tuple[Layer, ...] = ()
     depth: int = 0
     inside: tuple[ET.Element, ...] = ()
     """Elements that <use> repeats at present: none may repeat itself."""
     cutting: bool = False
-    """True in a clip path. Its shapes cut in any colour."""
+    """Whether the element is in a clip path, where shapes cut in any colour."""
 
 
 class Tree:
-    """Drawing whose elements are walked.
+    """Drawing whose elements are visited in order.
 
-    `count` is the number of its elements so far, `unseen` of hidden shapes and `filtered` of filters. `targets` are
+    `count` is the number of elements so far, `unseen` of hidden shapes and `filtered` of filters. `targets` are
     elements by id. `rem` is the font size of the page.
     """
 
@@ -112,7 +112,7 @@ class Tree:
         self.rem = DEFAULT_FONT_SIZE
 
     def visible_shapes(self, view: tuple[float, float]) -> list[VisibleShape]:
-        """Return the visible shapes in their order. `view` is the page in the drawing's units."""
+        """Return the visible shapes, lowest first. `view`: width and height of the page in the drawing's units."""
         if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
             raise self._input_error("the page has a transform. Apply it to the paths.")
         context = self._inner_context(self.root, Context(np.eye(2, 3), {}, view))
@@ -151,7 +151,7 @@ class Tree:
             hint = "Convert it to paths." if name == "text" else "Remove it, and save a plain SVG."
             raise self._input_error(f"holds {UNREADABLE_TAGS[name]} (<{name}>). {hint}")
         inner = inner._replace(matrix=self._element_matrix(element, inner), clips=inner.clips)
-        inner = inner._replace(clips=(*inner.clips, *self._clips(element, inner)))
+        inner = inner._replace(clips=(*inner.clips, *self._find_clips(element, inner)))
         opacity = svg_paints.parse_share(element.attrib.get("opacity"))
         if opacity < 1.0 and not inner.cutting:
             inner = inner._replace(layers=(*inner.layers, Layer(self.count, opacity)))
@@ -169,13 +169,15 @@ class Tree:
                 yield from self._element_shapes(child, inner)
 
     def _is_hidden(self, element: ET.Element, context: Context) -> bool:
-        """Return whether an element and all that it holds are hidden, even if its parts are visible."""
+        """Return whether an element hides itself and all its contents, even visible ones. Count its filter."""
         filtered, name = element.attrib.get("filter", "none").strip(), element_name(element)
         if element.attrib.get("display") == "none":
             return True
         if name in UNREADABLE_TAGS and context.style.get("visibility", "visible") != "visible":
             return True
-        if name == "text" and not ("".join(element.itertext()).strip() and _shows(*self._paints(element, context))):
+        if name == "text" and not (
+            "".join(element.itertext()).strip() and _has_colour(*self._fill_and_line(element, context))
+        ):
             return True
         if context.cutting:
             return False
@@ -184,8 +186,8 @@ class Tree:
             filtered, self.targets
         )
 
-    def _paints(self, element: ET.Element, context: Context) -> tuple[Colour, Line | None]:
-        """Return the paint of a shape's fill, perhaps clear, and its line, or None without."""
+    def _fill_and_line(self, element: ET.Element, context: Context) -> tuple[Colour, Line | None]:
+        """Return the colour of a shape's fill, perhaps clear, and its line, or None without a line."""
         if context.cutting:
             return BLACK, None
         fill, stroke = (svg_paints.from_style(context.style, key, self.targets) for key in ("fill", "stroke"))
@@ -199,8 +201,8 @@ class Tree:
     def _visible_shape(self, element: ET.Element, context: Context) -> Iterator[VisibleShape]:
         """Yield the shape of an element, if it is visible."""
         is_visible = context.style.get("visibility", "visible") == "visible"
-        fill, line = self._paints(element, context) if is_visible else (svg_paints.CLEAR, None)
-        if not _shows(fill, line):
+        fill, line = self._fill_and_line(element, context) if is_visible else (svg_paints.CLEAR, None)
+        if not _has_colour(fill, line):
             self.unseen += 1
             return
         if any(element.attrib.get(f"marker-{end}", "none") != "none" for end in ("start", "mid", "end")):
@@ -251,7 +253,7 @@ class Tree:
             if pattern.fullmatch(text):
                 return kind(text)
         except (ValueError, TypeError, IndexError):
-            pass  # as what does not match: numbers that lack others
+            pass  # like text that does not match: a number is missing
         raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
 
     def _parse_length(
@@ -358,7 +360,7 @@ class Tree:
             if isinstance(child.tag, str):
                 yield from self._element_shapes(child, context)
 
-    def _clips(self, element: ET.Element, context: Context) -> Iterator[Clip]:
+    def _find_clips(self, element: ET.Element, context: Context) -> Iterator[Clip]:
         """Yield the clip path and the mask of an element."""
         for key in ("clip-path", "mask"):
             text = element.attrib.get(key, "none").strip()
@@ -385,7 +387,7 @@ class Tree:
         clip_context = Context(matrix, {}, context.view, (), (), context.depth + 1, inside, is_clip_path)
         clip_context = clip_context._replace(matrix=self._element_matrix(target, clip_context))
         inner, counts = self._inner_context(target, clip_context), (self.unseen, self.filtered)
-        inner = inner._replace(clips=tuple(self._clips(target, inner)))
+        inner = inner._replace(clips=tuple(self._find_clips(target, inner)))
         shapes = tuple(shape for child in target for shape in self._element_shapes(child, inner))
         self.unseen, self.filtered = counts
         nonzero = [child.attrib.get("clip-rule", inner.style.get("clip-rule")) != "evenodd" for child in target]
@@ -394,6 +396,6 @@ class Tree:
         return Clip(shapes, not is_clip_path, target.attrib.get("mask-type") == "alpha")
 
 
-def _shows(fill: Colour, line: Line | None) -> bool:
+def _has_colour(fill: Colour, line: Line | None) -> bool:
     """Return whether a shape's fill or its line has a colour."""
     return fill.alpha > 0.0 or line is not None

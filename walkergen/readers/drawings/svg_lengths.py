@@ -1,4 +1,4 @@
-"""Lengths of an SVG drawing in its own units, as CSS has them."""
+"""Lengths of an SVG drawing, parsed to its own units by the rules of CSS."""
 
 import math
 import re
@@ -19,7 +19,7 @@ PIXELS_PER_UNIT = {
     "pt": 96 / 72,
     "pc": 16.0,
 }
-"""Units of length, in the drawing's own units, as CSS has them."""
+"""Sizes of the units of length of CSS, in the drawing's own units."""
 
 DEFAULT_FONT_SIZE = 16.0
 """Size of a font that is not set."""
@@ -33,7 +33,7 @@ FONT_SIZES = {
     "x-large": 24.0,
     "xx-large": 32.0,
 }
-"""Sizes of fonts that browsers have names of."""
+"""Sizes that CSS gives to names of font sizes."""
 
 
 def font_size(style: Mapping[str, Any]) -> float:
@@ -42,7 +42,7 @@ def font_size(style: Mapping[str, Any]) -> float:
 
 
 def parse_font_size(text: str | None, parent: float, root: float) -> float:
-    """Parse a font size. `parent` is that of the element around it and `root` the page's. NaN for other text."""
+    """Parse a font size. `parent`: font size of the enclosing element; `root`: of the page. NaN for other text."""
     word = (text or "1em").strip().lower()
     if size := {**FONT_SIZES, "larger": 1.2 * parent, "smaller": parent / 1.2, "inherit": parent}.get(word):
         return size
@@ -51,7 +51,7 @@ def parse_font_size(text: str | None, parent: float, root: float) -> float:
 
 
 def parse_length(text: str, font: float, root: float, whole: float) -> float:
-    """Parse a length. Percents are of `whole`, `font` and `root` are font sizes, for em and rem. NaN for other text."""
+    """Parse a length. Percentages refer to `whole`; `font`, `root`: font sizes for em and rem. NaN for other text."""
     match, units = LENGTH_PATTERN.fullmatch(text), {**units_at(font, root), "%": 0.01 * whole}
     return float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
 

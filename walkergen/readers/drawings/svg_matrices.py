@@ -13,7 +13,7 @@ NUMBERS_PATTERN = r"(?:[-+0-9.eE,\s]|px|deg|g?rad|turn)*"
 TRANSFORMS_PATTERN = re.compile(
     rf"\s*(?:(?:matrix|(?:translate|scale|skew)[XY]?|rotate)\s*\({NUMBERS_PATTERN}\)[\s,]*)*", re.IGNORECASE
 )
-"""What moves an element within the plane, by plain numbers."""
+"""Lists of transforms within the plane, by plain numbers."""
 
 ALIGNMENT_SHARES = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 

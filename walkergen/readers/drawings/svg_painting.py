@@ -23,10 +23,10 @@ Painted = list[tuple[Region, Colour]]
 
 
 def paint(coats: Sequence[Coat], paper: Colour | None = None, depth: int = 0) -> Painted:
-    """Paint coats over nothing, in their order. Return the areas that show a colour.
+    """Paint coats in their order, lowest first. Return areas without overlaps and the colour that each shows.
 
-    With `paper`, opaque colours that differ from it may all become black, where no clear coat follows. `depth` is the
-    number of layers around the coats.
+    With `paper`, opaque colours that visibly differ from the paper may all become black, where no clear coat follows.
+    `depth` is the number of layers around the coats.
     """
     clear = [index for index, coat in enumerate(coats) if coat.colour.alpha < 1.0 or coat.layers[depth:]]
     opaque = coats[max(clear, default=-1) + 1 :]
@@ -44,11 +44,11 @@ def paint(coats: Sequence[Coat], paper: Colour | None = None, depth: int = 0) ->
 
 
 def _paint_in_turn(coats: Sequence[Coat], depth: int) -> Painted:
-    """Paint coats one after the other over nothing."""
+    """Paint coats one after the other. `depth`: number of layers around the coats."""
     painted: Painted = []
 
     def group_key(coat: Coat) -> tuple[Layer | None, Colour | None]:
-        """Return what coats that are painted at once share: a layer, or an opaque colour."""
+        """Return the key by which coats are grouped: their layer, or else their colour."""
         layer = coat.layers[depth] if coat.layers[depth:] else None
         return layer, None if layer else coat.colour
 
@@ -66,7 +66,7 @@ def _paint_in_turn(coats: Sequence[Coat], depth: int) -> Painted:
 
 
 def _add_coat(painted: Painted, area: Region, colour: Colour) -> Painted:
-    """Return the areas that show a colour after one more coat."""
+    """Return areas and their colours after one more coat on `painted`."""
     shown: dict[Colour, list[Region]] = {}
     bare = area
     for below, under in painted:

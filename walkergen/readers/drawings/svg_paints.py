@@ -21,7 +21,7 @@ MAX_PAPER_DIFFERENCE = 0.05
 from white by 4.5 units of CIE lightness, twice what an eye just sees side by side (2.3)."""
 
 MAX_LINKS = 8
-"""Most gradients that one may have its stops of, one after the other."""
+"""Maximum number of links from one gradient to the next."""
 
 
 class Colour(NamedTuple):
@@ -53,7 +53,7 @@ class Colour(NamedTuple):
         return 0.2125 * self.red + 0.7154 * self.green + 0.0721 * self.blue
 
     def differs(self, paper: "Colour") -> bool:
-        """Return whether an eye sees this paint on the paper."""
+        """Return whether this paint on the paper visibly differs from it."""
         shown = self.over(paper)
         return max(abs(one - other) for one, other in zip(shown[:3], paper[:3], strict=True)) > MAX_PAPER_DIFFERENCE
 
@@ -68,8 +68,8 @@ def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Colour:
     opacity = parse_share(style.get(f"{key}-opacity"))
     if link := URL_PATTERN.match(text):
         if link[1] in targets:
-            return _server_colour(targets[link[1]], targets).faded(opacity)
-        text = text[link.end() :] or "none"  # what the file does not hold gives way to the colour after it
+            return _paint_server_colour(targets[link[1]], targets).faded(opacity)
+        text = text[link.end() :] or "none"  # a missing target is replaced by the colour after the link
     return _parse_colour(text, style.get("color", "black")).faded(opacity)
 
 
@@ -84,8 +84,8 @@ def _parse_colour(text: str, current: str) -> Colour:
     return Colour(red, green, blue, colour.alpha)
 
 
-def _server_colour(server: ET.Element, targets: Targets) -> Colour:
-    """Return the paint of a gradient (element `server`) or a pattern, perhaps by links.
+def _paint_server_colour(server: ET.Element, targets: Targets) -> Colour:
+    """Return one colour for a gradient or a pattern (element `server`), perhaps found by links.
 
     A gradient has the colour of its stop that differs most from white, at the mean opacity of its stops. A pattern with
     any contents is black.

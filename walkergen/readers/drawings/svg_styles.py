@@ -1,7 +1,7 @@
 """Styles of an SVG drawing: its style sheets, as attributes of its elements.
 
 Sheets are read as a browser on a screen reads them: rules of other media do not count, selectors of
-any kind do (cssselect2), later and more special rules come before others, and style="" before all.
+any kind do (cssselect2), later and more specific rules prevail over others, and style="" over all.
 """
 
 import re
@@ -31,7 +31,7 @@ INHERITED_PROPERTIES = (
     "stroke-width",
     "visibility",
 )
-"""Properties that an element has of the one around it."""
+"""Properties that an element inherits from the element around it."""
 
 NON_INHERITED_PROPERTIES = (
     "clip-path",
@@ -49,13 +49,13 @@ NON_INHERITED_PROPERTIES = (
 )
 GEOMETRY_PROPERTIES = ("cx", "cy", "d", "height", "r", "rx", "ry", "width", "x", "y")
 SUPPORTED_PROPERTIES = frozenset((*INHERITED_PROPERTIES, *NON_INHERITED_PROPERTIES, *GEOMETRY_PROPERTIES))
-"""Properties that decide on what is drawn and where; colours of text and the like do not."""
+"""Properties that affect what is drawn and where."""
 
 UNSUPPORTED_PROPERTIES = ("rotate", "scale", "translate", "offset-path", "zoom")
 """Properties that would move an element and that are not read here."""
 
 NEUTRAL_VALUES = ("none", "normal", "1", "100%")
-"""Values of these properties that move nothing."""
+"""Values of unsupported properties that move nothing."""
 
 INITIAL_VALUES = {
     "fill": "black",
@@ -95,7 +95,7 @@ IGNORED_AT_RULES = ("charset", "counter-style", "font-face", "keyframes", "names
 
 
 def apply_styles(root: ET.Element, source: str) -> None:
-    """Write the styles of sheets and style="" onto the elements, in place. Raises InputError for unsupported ones."""
+    """Write the styles of sheets and style="" into attributes, in place. Raises InputError for unsupported styles."""
     matcher = cssselect2.Matcher()
     for element in root.iter():
         css = element.attrib.get("type", "").strip().lower() in ("", "text/css")
@@ -113,8 +113,8 @@ def apply_styles(root: ET.Element, source: str) -> None:
         declarations += _parse_declarations(
             tinycss2.parse_declaration_list(element.attrib.get("style", ""), **SKIP_OPTIONS), source
         )
-        # what is important comes last, and so holds
-        values = {key: value for key, value, _ in sorted(declarations, key=lambda each: each[2])}
+        # important declarations come last, and so prevail
+        values = {key: value for key, value, _ in sorted(declarations, key=lambda triple: triple[2])}
         custom_values = {key: values.pop(key) for key in [*values] if key.startswith("--")}
         custom[element] = {**custom[node.parent.etree_element if node.parent else None], **custom_values}
         element.attrib.update(values)
@@ -157,7 +157,7 @@ def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str]
         if rule.type != "qualified-rule":
             continue
         inside = tinycss2.parse_blocks_contents(rule.content, **SKIP_OPTIONS)
-        if any(each.type == "qualified-rule" for each in inside):
+        if any(part.type == "qualified-rule" for part in inside):
             raise _unsupported_error("rules within rules", source)
         pairs = list(_parse_declarations(inside, source))
         try:
@@ -186,10 +186,10 @@ def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source:
 
 def _is_screen_media(media: str, source: str) -> bool:
     """Return whether rules for these media apply on a screen. Raises InputError if that depends on the viewer."""
-    each = [medium.strip() for medium in media.split(",")]
-    if any(SCREEN_MEDIA.fullmatch(medium) for medium in each):
+    media_list = [medium.strip() for medium in media.split(",")]
+    if any(SCREEN_MEDIA.fullmatch(medium) for medium in media_list):
         return True
-    if all(IGNORED_MEDIA.fullmatch(medium) for medium in each):
+    if all(IGNORED_MEDIA.fullmatch(medium) for medium in media_list):
         return False
     raise _unsupported_error(f"the condition {media.strip()[:40]!r}", source)
 
@@ -200,16 +200,16 @@ def _unsupported_error(what: str, source: str) -> InputError:
 
 def _parse_declarations(declarations: Sequence[Any], source: str) -> Iterator[tuple[str, str, bool]]:
     """Yield the supported properties of a list: key, value, and whether it is important."""
-    for each in declarations:
-        if each.type != "declaration":
+    for item in declarations:
+        if item.type != "declaration":
             continue
-        value = tinycss2.serialize(each.value).strip()
-        if each.lower_name in UNSUPPORTED_PROPERTIES and value.lower() not in NEUTRAL_VALUES:
-            raise InputError(f"{source}: a style moves elements by {each.lower_name}. Write it as a transform.")
-        if each.name.startswith("--"):
-            yield each.name, value, each.important
-        if each.lower_name in SUPPORTED_PROPERTIES:
-            yield each.lower_name, value, each.important
-        if each.lower_name == "font":  # its first length is the size; weights are plain numbers
-            sizes = [token for token in each.value if token.type in ("dimension", "percentage")]
-            yield from [("font-size", sizes[0].serialize(), each.important)] if sizes else []
+        value = tinycss2.serialize(item.value).strip()
+        if item.lower_name in UNSUPPORTED_PROPERTIES and value.lower() not in NEUTRAL_VALUES:
+            raise InputError(f"{source}: a style moves elements by {item.lower_name}. Write it as a transform.")
+        if item.name.startswith("--"):
+            yield item.name, value, item.important
+        if item.lower_name in SUPPORTED_PROPERTIES:
+            yield item.lower_name, value, item.important
+        if item.lower_name == "font":  # its first length is the size; weights are plain numbers
+            sizes = [token for token in item.value if token.type in ("dimension", "percentage")]
+            yield from [("font-size", sizes[0].serialize(), item.important)] if sizes else []

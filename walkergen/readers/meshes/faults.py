@@ -1,9 +1,9 @@
-"""Faults of a surface that keep it from being one solid: each has a name, a number and a place.
+"""Faults that keep a surface from being one solid, such as open edges, described with number and position.
 
 A sound mesh is closed, consistently turned, outward, of one body (which may hold closed cavities),
 encloses something and does not cross itself. Edges are compared by their vertices' indices, so
-that vertices at one place must be one vertex. Bodies that touch in a vertex count as apart, as
-manifold3d has it; touching within RELATIVE_TOLERANCE is no crossing.
+that vertices with equal coordinates must be merged first. Bodies that touch in a vertex count as apart, as
+in manifold3d; touching within RELATIVE_TOLERANCE is no crossing.
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.readers.drawings import crossings
 
 RELATIVE_TOLERANCE = 1e-6
-"""Depth of a crossing, over the largest coordinate from the box's middle, below which it is not
-seen: fifteen times what 32-bit floats, as in STL, lose of a coordinate."""
+"""Depth of a crossing, over the mesh's largest coordinate or side, below which the crossing is
+ignored: fifteen times the rounding error of a coordinate in 32-bit floats, as in STL."""
 
 MIN_VOLUME_RATIO = 1e-9
 """Volume over the cube of the largest side of the box, below which a mesh encloses nothing."""
@@ -40,8 +40,9 @@ class Shells(NamedTuple):
     """Closed pieces of a surface."""
 
     number: int
+    """Number of pieces."""
     label: Whole
-    """Number of the piece of each triangle, shape (k,)."""
+    """Index of the piece that each triangle belongs to, shape (k,)."""
     volumes: Array
     """Volumes of the pieces, negative where turned inward, mm^3, shape (number,)."""
 
@@ -49,7 +50,7 @@ class Shells(NamedTuple):
 def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None:
     """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid.
 
-    The error has `repairs` for faults that a repair may mend.
+    If a repair may mend the fault, the error suggests the remedies `repairs`.
     """
     fault = _triangle_fault(mesh) or _edge_fault(mesh) or _shell_fault(mesh, shells(mesh))
     if fault:
@@ -61,7 +62,8 @@ def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None
 def check_closed(mesh: Mesh, source: str) -> tuple[int, str]:
     """Return the number of bodies of a closed mesh, and the fault of triangles that cross each other, or "".
 
-    Bodies may touch along edges, and are then one. Raises InputError, which begins with `source`, for other meshes.
+    Bodies that touch along edges count as one. Raises InputError, which begins with `source`, for meshes that are not
+    closed.
     """
     fault = _triangle_fault(mesh) or _edge_fault(mesh, several=True)
     pieces = shells(mesh)
@@ -71,7 +73,7 @@ def check_closed(mesh: Mesh, source: str) -> tuple[int, str]:
 
 
 def crossing_tolerance(mesh: Mesh) -> float:
-    """Return the depth of a crossing that is ignored, mm."""
+    """Return the depth up to which triangles of a mesh may cross each other without a fault, mm."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     size = max(float(np.abs(mesh.vertices).max()), float((high - low).max()))
     return RELATIVE_TOLERANCE * size
@@ -80,7 +82,7 @@ def crossing_tolerance(mesh: Mesh) -> float:
 def faulty_edges(triangles: Whole, several: bool = False) -> Edges:
     """Find the faulty edges of triangles, shape (k, 3), and sort them by the kind of their fault.
 
-    If bodies may be `several`, edges where two of them touch are no fault.
+    If `several` bodies are allowed, edges along which two of them touch are no fault.
     """
     starts, ends = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     size = np.int64(triangles.max()) + 1
@@ -95,13 +97,13 @@ def faulty_edges(triangles: Whole, several: bool = False) -> Edges:
 
 
 def _edge_keys(starts: Whole, ends: Whole, size: np.int64) -> Whole:
-    """Return a number for each edge, the same in either direction. `size` exceeds all indices of vertices."""
+    """Return an integer for each edge, equal for both directions of the edge. `size` exceeds all vertex indices."""
     keys: Whole = np.minimum(starts, ends) * size + np.maximum(starts, ends)
     return keys
 
 
 def shells(mesh: Mesh) -> Shells:
-    """Return the pieces of a closed surface that share no edge, in the order of their first triangles."""
+    """Divide a closed surface into pieces that share no edge, in the order of their first triangles."""
     from scipy.sparse import coo_matrix, csgraph
 
     count = len(mesh.triangles)
@@ -139,7 +141,7 @@ def _triangle_fault(mesh: Mesh) -> str:
 
 
 def _edge_fault(mesh: Mesh, several: bool = False) -> str:
-    """Describe open, crowded or disagreeing edges. Return "" if there are none."""
+    """Describe open, crowded or disagreeing edges, or return "". If `several` bodies are allowed, they may touch."""
     wrong = faulty_edges(mesh.triangles, several)
     for pairs, words in (
         (wrong.open, "is open: {} edges belong to one triangle only"),
@@ -153,7 +155,7 @@ def _edge_fault(mesh: Mesh, several: bool = False) -> str:
 
 
 def _shell_fault(mesh: Mesh, shells: Shells, several: bool = False) -> str:
-    """Describe a surface that encloses nothing, is inside out, or has more bodies than allowed. Return "" if sound."""
+    """Describe a surface that is empty, inside out, or of more than one body unless `several` are allowed; or ""."""
     size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
     volume = float(shells.volumes.sum())
     if abs(volume) <= MIN_VOLUME_RATIO * size**3:

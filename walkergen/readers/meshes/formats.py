@@ -29,7 +29,7 @@ FREE_FORM_WORDS = (b"curv", b"curv2", b"surf")
 
 
 def read_stl(data: bytes, source: str) -> Polygons:
-    """Read an STL file of text. Each loop is a polygon, wherever lines end. Raises InputError or ValueError."""
+    """Return the polygons of a text STL file: each loop is one, wherever lines end. Raises InputError or ValueError."""
     text = data.lower()
     count = len(re.findall(rb"\bouter\s+loop\b", text))
     check_count(count, source)
@@ -42,14 +42,14 @@ def read_stl(data: bytes, source: str) -> Polygons:
 
 
 def _number_corners(corners: Array, sizes: Whole) -> Polygons:
-    """Return polygons, each with corners of its own. Raises ValueError if `sizes` count other than the corners."""
+    """Return polygons of these sizes from their corners in order, shape (n, 3). Raises ValueError unless they fit."""
     if sizes.sum() != len(corners):
         raise ValueError("a vertex does not have three numbers")
     return Polygons(corners, np.arange(len(corners)), sizes)
 
 
 def read_obj(data: bytes, source: str) -> Polygons:
-    """Read an OBJ file. Numbers of corners may count from the end. Raises InputError, ValueError or IndexError."""
+    """Return the polygons of an OBJ file. Negative indices count back. Raises InputError, ValueError or IndexError."""
     check_count(data.count(b"\nf ") + data.count(b"\nf\t"), source)
     vertices: list[bytes] = []
     corners: list[int] = []
@@ -60,7 +60,7 @@ def read_obj(data: bytes, source: str) -> Polygons:
             vertices += words[1:4]
         elif words[:1] == [b"f"]:
             indices = [int(word.partition(b"/")[0]) for word in words[1:]]
-            # a number from the end counts from the corners so far
+            # a negative index counts back from the latest vertex
             corners += [index - 1 if index >= 0 else len(vertices) // 3 + index for index in indices]
             sizes.append(len(indices))
         elif words[:1] and words[0] in FREE_FORM_WORDS:
@@ -69,7 +69,7 @@ def read_obj(data: bytes, source: str) -> Polygons:
 
 
 def read_off(data: bytes, source: str) -> Polygons:
-    """Read an OFF file. Normals, colours and textures are left out. Raises InputError, ValueError or IndexError."""
+    """Return the polygons of an OFF file, without normals and colours. Raises InputError, ValueError or IndexError."""
     lines = [words for words in (line.partition(b"#")[0].split() for line in data.split(b"\n")) if words]
     kind = lines[0].pop(0) if lines and lines[0][0].upper().endswith(b"OFF") else b"OFF"
     if kind == b"nOFF" or kind.upper() not in OFF_KINDS or [b"BINARY"] in lines[:1]:
@@ -89,7 +89,7 @@ def read_off(data: bytes, source: str) -> Polygons:
 
 
 def _split_off_rows(words: list[bytes], vertex_count: int) -> Iterator[list[bytes]]:
-    """Yield the counts, vertices and faces of an OFF file without colours, whose lines end anywhere."""
+    """Yield the words of the counts, of each vertex and of each face of an OFF file without colours."""
     place = 3
     yield words[:place]
     for _ in range(vertex_count):
@@ -102,13 +102,13 @@ def _split_off_rows(words: list[bytes], vertex_count: int) -> Iterator[list[byte
 
 
 class _Property(NamedTuple):
-    """Property of an element of a PLY file."""
+    """Property of an element of a PLY file: one column of a table."""
 
     name: bytes
     type: str
-    """Letter of its type."""
+    """Letter of `struct` for the type of the values."""
     count_type: str = ""
-    """Letter of the type of a list's length; "" if it is no list."""
+    """Letter for the type of a list's length; "" if the values are no lists."""
 
 
 Take = Callable[[str, int], Sequence[float]]
@@ -116,7 +116,7 @@ Take = Callable[[str, int], Sequence[float]]
 
 
 def read_ply(data: bytes, source: str) -> Polygons:
-    """Read a PLY file, text or binary. Raises InputError, ValueError, LookupError or struct.error."""
+    """Return the polygons of a PLY file, text or binary. Raises InputError, ValueError, LookupError or struct.error."""
     newline = data[3:5] if data[3:5] == b"\r\n" else data[3:4]
     if not data.startswith(b"ply") or newline not in (b"\n", b"\r", b"\r\n"):
         raise ValueError("its first line is not the word ply")
@@ -143,18 +143,18 @@ def read_ply(data: bytes, source: str) -> Polygons:
 
 
 def _read_element(take: Take, count: int, properties: Sequence[_Property]) -> dict[bytes, Sequence[Any]]:
-    """Read the rows of an element. Return its columns by their names."""
-    names, types = [each.name for each in properties], "".join(each.type for each in properties)
-    if not any(each.count_type for each in properties):
+    """Return the columns of an element, by its properties' names. `take` returns the next values, `count`: of rows."""
+    names, types = [column.name for column in properties], "".join(column.type for column in properties)
+    if not any(column.count_type for column in properties):
         values = take(types, count)
         return {name: values[place :: len(types)] for place, name in enumerate(names)}
     rows = []
     for _ in range(count):
         row: list[Any] = []
-        for each in properties:
-            size = int(take(each.count_type, 1)[0]) if each.count_type else 1
-            values = take(each.type, size)
-            row.append(values if each.count_type else values[0])
+        for column in properties:
+            size = int(take(column.count_type, 1)[0]) if column.count_type else 1
+            values = take(column.type, size)
+            row.append(values if column.count_type else values[0])
         rows.append(row)
     return dict(zip(names, zip(*rows, strict=True), strict=True)) if rows else {}
 

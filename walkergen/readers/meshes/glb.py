@@ -17,7 +17,7 @@ PACKING_EXTENSIONS = (
 """Extensions that pack the corners of meshes, or place meshes outside the nodes."""
 
 PARSE_ERRORS = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
-"""What looking at a file raises that is none, or not as the standard has it."""
+"""Errors that reading raises for a file that is no GLB, or not as the standard requires."""
 
 
 def check(data: bytes, source: str) -> None:

@@ -2,8 +2,8 @@
 
 Binary STL and 3MF are read by `core.shapes`, GLB by trimesh, polygons of other files by `formats`, from the bytes
 alone: no other file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
-or, on open edges, within WELD_TOLERANCE. What slicers note as cut away is cut away, and unprinted parts
-are left out. All of that is noted.
+or, on open edges, within WELD_TOLERANCE. Negative volumes of a slicer's file are cut away, and parts that do not print
+are left out. Notes list all of these changes.
 """
 
 import codecs
@@ -26,7 +26,7 @@ from walkergen.core.shapes.threemf import Part
 from walkergen.readers.meshes import faults, formats, glb, polygons, repairs
 
 READERS = {"stl": formats.read_stl, "obj": formats.read_obj, "ply": formats.read_ply, "off": formats.read_off}
-"""Functions that read polygons. STL is text here."""
+"""Functions that read polygons, by the file's extension. STL is the text format here."""
 
 FORMATS = (*READERS, "3mf", "glb")
 
@@ -55,7 +55,7 @@ class MeshFile(NamedTuple):
     """Contents of a mesh file."""
 
     parts: tuple[Part, ...]
-    """Objects in their places; a file without objects, such as STL, is one."""
+    """Objects at their positions in the file. A file without objects, such as STL, counts as one object."""
     sha256: str
     """Hash of the file's bytes."""
     notes: tuple[str, ...]
@@ -63,7 +63,7 @@ class MeshFile(NamedTuple):
 
 
 def read_mesh(path: Path, source: str) -> MeshFile:
-    """Read a mesh file. Raises InputError, beginning with `source`, for any other file."""
+    """Read the printable parts of a mesh file. Raises InputError, beginning with `source`, for any other file."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
@@ -89,7 +89,7 @@ def read_mesh(path: Path, source: str) -> MeshFile:
 
 
 def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
-    """Read the placed parts of a file, and notes. The libraries that read it may raise any exception."""
+    """Return a file's parts, at their positions in it, and notes. `kind`: its extension. May raise any exception."""
     if kind == "3mf":
         _check_unpacked_size(data, source)
         return threemf.read_parts(data, source), []
@@ -107,7 +107,7 @@ def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[s
 
 
 def _unify_text(data: bytes) -> bytes:
-    """Return text as single bytes a letter, without byte order mark, with line ends as on Unix."""
+    """Return a file's text with one byte per letter, without byte order mark, with line ends as on Unix."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         data = data.decode("utf-16", "replace").encode("latin-1", "replace")
     return data.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -143,7 +143,7 @@ def _omission_notes(parts: list[Part]) -> list[str]:
 
 
 def _weld_edges(part: Part) -> tuple[Part, int]:
-    """Merge corners along open edges of a part within WELD_TOLERANCE. Return the part and the number of merged ones."""
+    """Merge corners along open edges of a part within WELD_TOLERANCE. Return the part and the count of merged ones."""
     if not len(part.triangles) or not len(faults.faulty_edges(part.triangles).open):
         return part, 0
     mesh = Mesh(part.vertices, part.triangles)
@@ -152,7 +152,7 @@ def _weld_edges(part: Part) -> tuple[Part, int]:
 
 
 def _drop_flat_triangles(part: Part) -> Part:
-    """Leave out triangles that join two corners only, and those without area if the rest is closed without them."""
+    """Return a part without triangles of only two corners, and without flat ones if the rest is then closed."""
     triangles = part.triangles[(part.triangles != np.roll(part.triangles, 1, axis=1)).all(axis=1)]
     if len(triangles) and any(map(len, faults.faulty_edges(triangles))):
         first, second, third = part.vertices[triangles].transpose(1, 0, 2)
@@ -173,7 +173,7 @@ def join_parts(parts: tuple[Part, ...]) -> Part:
 
 
 def merge_vertices(vertices: Array, triangles: Whole) -> tuple[Array, Whole]:
-    """Return the distinct vertices, in the order of their coordinates, and the triangles between them."""
+    """Return the distinct vertices, sorted by coordinates, and the triangles with indices into these vertices."""
     vertices = vertices + 0.0  # minus zero is zero
     order = np.lexsort(vertices.T)
     ordered = vertices[order]
@@ -185,7 +185,7 @@ def merge_vertices(vertices: Array, triangles: Whole) -> tuple[Array, Whole]:
 
 
 def _is_binary_stl(data: bytes) -> bool:
-    """Return whether an STL file has the length of its count of triangles, or lacks words of the text format."""
+    """Return whether an STL file is binary: its length fits its triangle count, or it lacks the text format's words."""
     start = stl.HEADER_BYTES + stl.COUNT_BYTES
     count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
     fits = len(data) == start + count * stl.TRIANGLE.itemsize
@@ -208,7 +208,7 @@ def _clean_part(source: str, part: Part) -> Part:
 
 
 def _read_with_trimesh(data: bytes, source: str) -> list[Part]:
-    """Return all objects of a GLB file as parts, with vertices in their places."""
+    """Return all objects of a GLB file as parts, with vertices at their positions in the scene, m."""
     import trimesh
 
     with np.errstate(all="ignore"):
@@ -230,7 +230,7 @@ def _read_with_trimesh(data: bytes, source: str) -> list[Part]:
 
 
 def _check_unpacked_size(data: bytes, source: str) -> None:
-    """Raise InputError for what is no archive, or unpacks to more than MAX_BYTES."""
+    """Raise InputError for a 3MF file that is no archive, or unpacks to more than MAX_BYTES."""
     try:
         size = sum(entry.file_size for entry in zipfile.ZipFile(io.BytesIO(data)).infolist())
     except (zipfile.BadZipFile, ValueError) as error:

@@ -64,7 +64,7 @@ def _are_convex(corners: Array) -> Mask:
 
 
 def _drop_repeats(ring: Whole) -> Whole:
-    """Return the corners of a polygon without those that repeat the corner before."""
+    """Return the vertex indices of a polygon without those that repeat the index before."""
     distinct: Whole = ring[ring != np.roll(ring, 1)]
     return distinct
 

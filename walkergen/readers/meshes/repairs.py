@@ -1,9 +1,9 @@
 """Repair of a surface that is not yet a solid: each step returns the mesh and what it changed, or "".
 
-Vertices along open edges are merged, triangles without area and doubled ones dropped, the turning of
-triangles made one, small holes filled, bodies that overlap united by manifold3d, and crumbs
+Vertices along open edges are merged, triangles without area and doubled ones dropped, triangles
+turned alike, small holes filled, bodies that overlap united by manifold3d, and crumbs
 next to the largest body dropped. `faults` refuses what is still unsound afterwards.
-A body that crosses itself stays so.
+A body that crosses itself is not repaired.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.readers.meshes import faults
 
 MAX_HOLE_EDGES = 200
-"""Most open edges that are filled: a larger hole is a missing side, not a flaw."""
+"""Maximum number of open edges whose holes are filled: a larger hole is a missing side, not a flaw."""
 
 MERGE_DISTANCE_FACTOR = 10.0
 """Maximum distance between vertices of open edges that are one, over the tolerance of crossings."""
@@ -29,7 +29,7 @@ MAX_CRUMB_SHARE = 0.01
 
 
 def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
-    """Repair a mesh, and return what each effective step changed, as text, or return (mesh, ()) without changes."""
+    """Return a repaired mesh, and one text for each change, such as "filled holes of ..."; no texts without changes."""
     steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
         _merge_vertices,
         _drop_duplicates,
@@ -65,7 +65,7 @@ def _merge_vertices(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def merge_rim_vertices(mesh: Mesh, max_distance: float) -> tuple[Mesh, int]:
-    """Merge vertices along open edges that are within a distance, mm. Return the mesh and the number of merged ones."""
+    """Merge vertices along open edges within a distance, mm. Return the mesh and the number of merged vertices."""
     from scipy.sparse import coo_matrix, csgraph
     from scipy.spatial import KDTree
 
@@ -132,7 +132,7 @@ def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """Return the vertices around each hole. `edges` are open, (start, end) each in the direction of their triangle.
+    """Return the vertex indices around each hole. `edges`: open edges (start, end), in the direction of their triangle.
 
     Where holes touch in a vertex, the boundary goes on along the edge that is nearest in direction.
     """
@@ -158,7 +158,7 @@ def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list
 
 
 def _fix_orientation(mesh: Mesh) -> tuple[Mesh, str]:
-    """Turn triangles until neighbours agree, then every piece that is inside out and no cavity."""
+    """Turn triangles until neighbours agree. Then turn every closed piece that is inside out, except cavities."""
     triangles = mesh.triangles
     edges = faults.faulty_edges(triangles)
     if len(edges.disagreeing):

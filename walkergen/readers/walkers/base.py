@@ -24,13 +24,13 @@ RIM_MM = 1.0
 
 MIN_LENGTH_MM, MIN_WIDTH_MM, GROWTH_PER_HEIGHT = 13.0, 7.0, 0.35
 """Least length and width of a plate, mm, and their growth over the height of the parts on it: room
-for legs whose feet are as far apart as `placing` requires."""
+for legs whose feet are as far apart as `leg_rows` requires."""
 
 
 def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
     """Return the contour of a base plate under an outline, in a list, and a mesh of plate and extruded outline.
 
-    `thickness` is that of the whole mesh, mm, from z = 0. The middle of the contour's box is the origin of both.
+    The mesh reaches from z = 0 to `thickness`, mm. The middle of the contour's box is the origin of both.
     """
     import shapely
 

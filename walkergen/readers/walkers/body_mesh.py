@@ -1,4 +1,4 @@
-"""A body of a person's own: a mesh file read, checked, repaired on request, and put into the frame.
+"""Bodies from users' mesh files: read, checked, repaired on request, and moved into walkergen's frame.
 
 In the file one axis is up and one runs forward; here x is forward, y up and z across, right-handed.
 The middle of the bounding box is the origin in x and y, and z begins at 0, as in any walker.
@@ -59,8 +59,8 @@ class OwnMesh(NamedTuple):
 def read_body(path: Path, options: ReadOptions = DEFAULT_OPTIONS, key: str = "body.mesh") -> OwnMesh:
     """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
 
-    Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh is unsound and stays so,
-    or its size is not a walker's.
+    Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh cannot be made sound,
+    or its size is not that of a walker.
     """
     source = f"{key} = {str(path)[-80:]!r}"
     turn = rotation(options.up, options.forward, key)
@@ -99,7 +99,7 @@ def _make_sound(mesh: Mesh, options: ReadOptions, source: str, notes: tuple[str,
 
 
 def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
-    """Return closed bodies on a plate (None: only if there are several), or else the largest one, and notes."""
+    """Join bodies of a closed mesh by a `plate` (None: only if several), or keep the largest. Return mesh and notes."""
     if any(map(len, faults.faulty_edges(mesh.triangles))):
         return mesh, ()
     bodies = modeller.split_bodies(modeller.to_solid(mesh))
@@ -113,7 +113,7 @@ def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, 
 
 
 def rotation(up: Axis, forward: Axis, key: str) -> Array:
-    """Return the rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError if both are one axis."""
+    """Return the rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError unless the axes differ."""
     for name, axis in (("up", up), ("forward", forward)):
         if axis not in get_args(Axis):
             raise InputError(f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}")

@@ -47,13 +47,13 @@ MIN_SUPPORTED_SHARE = 0.4
 
 
 def white_cells(number: int) -> Mask:
-    """Return the white cells of a whole marker, rows from its upper edge down, shape (6, 6)."""
+    """Return True for each white cell of a whole marker, rows from its upper edge down, shape (6, 6)."""
     bits = np.array([bit == "1" for bit in f"{int(MARKER_CODES[4 * number : 4 * number + 4], 16):016b}"])
     return np.pad(bits.reshape(CODE_CELLS, CODE_CELLS), BORDER_CELLS)
 
 
 def symmetric_numbers() -> set[int]:
-    """Return the numbers of markers that are their own mirror images: a mirror only turns them."""
+    """Return the numbers of markers that are rotations of their own mirror images."""
     return {
         number
         for number in range(len(MARKER_CODES) // 4)
@@ -104,9 +104,9 @@ def build_tile(cap: Cap) -> Mesh:
 
 
 def place_on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
-    """Return the mesh of a cap on the upper side of a body of this depth across the run, in its frame.
+    """Return the mesh of a cap on the upper side of a body, in the body's frame. `depth`: the body's along z, mm.
 
-    Raises GeometryError for a body whose upper side does not hold it.
+    Raises GeometryError for a body whose upper side is too small for the cap.
     """
     top = float(body.vertices[:, 1].max())
     if (supported := _supported_share(cap, body, top, depth)) < MIN_SUPPORTED_SHARE:

@@ -14,7 +14,7 @@ from walkergen.readers.walkers import marks
 
 
 def add_notches(design: Design, corners: Polygon) -> Polygon:
-    """Return a rectangle's profile with notches in its upper edge. Points are counter-clockwise from the lower left."""
+    """Return a rectangle with the design's notches in its upper edge. `corners`: from the lower left, to the right."""
     length, thickness = design.size.length, design.size.thickness
     y = 0.5 * thickness
     edge = [

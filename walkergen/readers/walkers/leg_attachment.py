@@ -1,4 +1,4 @@
-"""Legs on a body whose underside is not flat: where each meets it.
+"""Legs on a body whose underside is not flat: where each leg meets the body.
 
 A leg's length counts from the lowest level of the body, so that feet of equal legs are level; where
 the underside lies higher, the leg goes on up to it, and is cut flush with it.

@@ -118,12 +118,12 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
     ground, (along, up, across) = _footprint_and_centre(body.cache_key)
     centre, height, reach = (along, across), up - leg.foot_height, _leg_reach(leg)
     if body.flat:
-        return _from_rows(leg, find_rows(ground, centre, height, reach), centre, height)
+        return _build_placement(leg, find_rows(ground, centre, height, reach), centre, height)
     for inset in INSET_SHARES:
         inset_ground = shapely.buffer(ground, -inset * size.depth)
         if inset_ground.is_empty:
             break
-        placement = _from_rows(leg, find_rows(inset_ground, centre, height, reach), centre, height)
+        placement = _build_placement(leg, find_rows(inset_ground, centre, height, reach), centre, height)
         try:
             return placement._replace(limbs=leg_attachment.extend_legs(body.cache_key, placement.limbs))
         except GeometryError:  # a leg misses the mesh: farther in there is more of it
@@ -182,7 +182,7 @@ def _drop_other_size(remedy: Remedy) -> Remedy:
 
 
 def _other_orientations(body: Body) -> list[dict[str, Any]]:
-    """Return the keys of other positions of a mesh: turned about the forward axis, or onto its former front."""
+    """Return the body's keys for other orientations of a mesh: turned about its forward axis, or onto its front."""
     if body.mesh is None or body.legs_below_mm is not None:
         return []
     (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
@@ -233,8 +233,8 @@ def _leg_reach(leg: Limb) -> Reach:
     return Reach(min(ends), max(ends))
 
 
-def _from_rows(leg: Limb, rows: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
-    """Return the placement of legs like `leg` in rows. `centre` and `height` are those of the centre of mass, mm."""
+def _build_placement(leg: Limb, rows: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
+    """Return a placement with a copy of `leg` for each leg of `rows`. `centre`, `height`: of the centre of mass, mm."""
     limbs = tuple(
         leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
         for row in rows

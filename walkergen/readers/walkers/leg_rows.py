@@ -39,10 +39,10 @@ MAX_ROW_DISTANCE_MM = 60.0
 590 Hz, six times the paper's drive, so that the body counts as rigid."""
 
 SPAN_STEPS = 61
-"""Distances of the feet that are tried."""
+"""Number of distances between back and front feet that are tried."""
 
 MIDDLE_SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
-"""Distances of the middle of the feet from the centre of mass, over theirs, that are tried in turn."""
+"""Shifts of the middle between back and front feet from the centre of mass, over their distance, tried in turn."""
 
 SIMPLIFY_MM = 0.01
 """Maximum change of a simplified outline, mm."""
@@ -55,8 +55,9 @@ class Reach(NamedTuple):
     """Extent of a leg along the direction of running, mm from its foot."""
 
     back: float
-    """Where it begins: at its foot for a brace, else at the back of its top."""
+    """Where the leg begins: at its foot for a brace, else at the back of its top."""
     front: float
+    """Where the leg ends."""
 
 
 class Row(NamedTuple):
@@ -109,7 +110,7 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
 
 
 def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
-    """Return two outer rows, with others between if far apart. `inner`: area for legs. `across`: their middle."""
+    """Add rows between outer rows that are far apart. `inner`: area for legs. `across`: of the centre of mass, mm."""
     back, front = outer
     number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
     positions = np.linspace(back.along, front.along, number + 1)[1:-1]
@@ -133,7 +134,7 @@ def _widest_rows(inner: "BaseGeometry", positions: Array, across: float, reach: 
 
 
 def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Return a row with a leg in each piece (low, high) that is wide enough; None unless they enclose `across`."""
+    """Return a row with a leg in each piece (low, high) that is wide enough; None unless the legs enclose `across`."""
     wide_pieces = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
     if not wide_pieces or not wide_pieces[0][0] <= across <= wide_pieces[-1][1]:
         return None

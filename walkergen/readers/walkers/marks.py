@@ -4,10 +4,10 @@ Frame: the middle of the body at the origin, x to the front, y up. Both kinds pr
 supports, because the part lies on its side: notches are grooves of the profile and run through the
 whole print, digits are engraved into the flat side that prints last.
 
-Notches count in base two. Every place has its notch, narrow for 0 and wide for 1, so that no place
-has to be guessed from an empty stretch, as where a missing notch means 0; and the mass hardly
-depends on the number, as it would with a tally. The start notch, wider than both, is the
-frontmost: notches are read from there towards the back, highest place first, with the legs down; a
+Notches count in base two. Every binary digit has a notch, narrow for 0 and wide for 1, so that no
+digit has to be guessed from an empty stretch; and the mass hardly depends on the number, as it would
+with a tally. The start notch, wider than both, is the
+frontmost: notches are read from there towards the back, highest digit first, with the legs down; a
 part seen from its other side has its start on the left and is not misread.
 
 In all functions `tilts_deg` are the tilts of the family, and `tilt_deg` is the tilt of the part.
@@ -119,7 +119,7 @@ def digit_strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Recta
 
 
 def _notch_depth(marks: Marks) -> float:
-    """Return the depth of the edge, mm, in which there can be no digits because of notches."""
+    """Return the depth of the notches below the upper edge, mm, or 0 for marks without notches."""
     return marks.depth_mm if marks.kind == "notches" else 0.0
 
 
@@ -217,7 +217,7 @@ def _text_length(text: str, height: float, line: float) -> float:
 
 
 def _glyph_segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
-    """Return the rectangles of all seven strokes of a glyph, and of its point, by their letters."""
+    """Return the rectangles of a glyph's seven possible strokes and its point, by the letters of `LIT_SEGMENTS`."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {
         "a": Rectangle(left, high - line, right, high),

@@ -1,4 +1,4 @@
-"""Legs that a mesh has already: its underside ends in separate feet, on which it stands.
+"""Legs that are part of a mesh: its underside ends in separate feet on which the mesh stands.
 
 A cut slightly above the lowest point leaves a piece for each foot. The legs end where, farther up, the number of
 pieces first changes: there the body begins.
@@ -45,7 +45,7 @@ class OwnLegs(NamedTuple):
     number: int
     kind: Kind
     keys: dict[str, Any]
-    """Keys of the body that make them legs."""
+    """Values of the body's keys by which walkergen uses these legs."""
 
     @property
     def remedy(self) -> Remedy:
@@ -57,7 +57,7 @@ class OwnLegs(NamedTuple):
 def use_own_legs(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return a walker's data with the keys for the legs that its mesh has, unless the data describe other legs.
 
-    Nothing is changed if the mesh stands on legs in several positions, and in none of them as it lies in the file.
+    Nothing is changed if the mesh stands on legs in several orientations, but not in that of the file.
     """
     legs = data.get("legs", {})
     if not isinstance(legs, Mapping) or not set(legs) <= {"kind"}:
@@ -85,9 +85,9 @@ def check_without_legs(body_key: str) -> None:
 
 @lru_cache(maxsize=64)
 def find_own_legs(body_key: str) -> tuple[OwnLegs, ...]:
-    """Return the legs of a body (JSON) that is a mesh, for each position in which it stands on legs.
+    """Return the legs of a body (JSON) that is a mesh, for each orientation in which it stands on legs.
 
-    The position of the file comes first. A body with `up` or `forward` has no other.
+    The orientation of the file comes first. A body with `up` or `forward` has no other.
     """
     body = Body.model_validate_json(body_key)
     if body.mesh is None or body.legs_below_mm is not None:
@@ -143,7 +143,7 @@ def _count_pieces(solid: manifold3d.Manifold, height: float) -> int:
 
 
 def _leg_height(count: Callable[[float], int]) -> float:
-    """Return the height at which legs end, over the whole height, or 0 without legs. `count`: pieces below a height."""
+    """Return the share of the height at which legs end, 0 without legs. `count` returns the pieces below a share."""
     feet = count(FOOT_SHARE)
     if feet < 2:
         return 0.0

@@ -2,7 +2,7 @@
 
 A walker stands level unless its design says `stance = "as built"`: then its legs may end at
 different heights of the body's own frame, and the whole is turned in its plane until two feet are
-level. What the rest of the program sees is the walker as it stands: a body that leans, on legs that
+level. The rest of the program gets the walker as it stands: a body that leans, on legs that
 tilt against the plate's normal.
 """
 
@@ -31,10 +31,10 @@ class _Parts(Section):
 
 
 def level_feet(data: Mapping[str, Any], default_tilt_deg: float) -> dict[str, Any]:
-    """Turn a design that stands as built until it stands on two feet, and return its data.
+    """Turn a design with stance "as built" until two of its feet are level, and return its new data.
 
     `default_tilt_deg` is for legs without a tilt. The body becomes a profile and its legs keep their shapes. Braces are
-    upright as it stands. Raises GeometryError if it does not stand so, and pydantic's errors for wrong keys.
+    upright after the turn. Raises GeometryError if no turn levels the feet, and pydantic's errors for wrong keys.
     """
     for name in ("motor", "battery"):
         if data.get(name) is not None:

@@ -20,9 +20,9 @@ MAX_DEVIATION_MM = 0.01
 
 
 def body_contours(design: Design) -> tuple[Array, ...]:
-    """Return contours of the body, from the middle of its box, shape (n, 2) each, mm.
+    """Return contours of the body from above, relative to the middle of its box, shape (n, 2) each, mm.
 
-    Outer ones are counter-clockwise, then holes clockwise. A body in side view has its rectangle, a mesh its
+    Outer contours are counter-clockwise, then holes clockwise. A body in side view has its rectangle, a mesh its
     projection.
     """
     shape, half = design.shape, 0.5 * np.array([design.size.length, design.size.depth])
@@ -36,7 +36,7 @@ def body_contours(design: Design) -> tuple[Array, ...]:
 
 
 def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array]:
-    """Return the outer contours of the body from O, the point of a trajectory, counter-clockwise, mm.
+    """Return the outer contours of the body relative to its centre of mass O, counter-clockwise, mm.
 
     Shape (n, 2) each, the last point not repeated. No point moves farther than `MAX_DEVIATION_MM`. `mass` is computed
     unless it is given. Raises GeometryError for a body that cannot be made.
