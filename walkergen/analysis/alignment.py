@@ -58,7 +58,7 @@ def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: 
 
 
 def remove_slope_turning(track: Track, rate: float, interval: float, descent: float) -> Track:
-    """Return the track with headings as on a level plate; `interval` between samples, s.
+    """Return the track with the turning that the slope causes subtracted from its headings. `interval`: of samples, s.
 
     `rate`: turning rate of a heading across the slope, rad/s. `descent`: direction of descent, rad.
     """
@@ -70,7 +70,7 @@ def remove_slope_turning(track: Track, rate: float, interval: float, descent: fl
 def _sample_sums(track: Track, descent: float) -> Array:
     """Return sums over the samples of a track, shape (8,); `descent` is the direction of descent, rad.
 
-    In this order: number of samples; sin(descent - heading) one sample earlier; the same at the middle of the sample;
+    In this order: number of samples; sin(descent - heading) one sample earlier; this sine in the middle of the sample;
     turn (rad); drift to the left (mm); the first sine times the second, times the turn, times the drift.
     """
     if track.heading is None or track.position.shape[1] < 2:
@@ -81,7 +81,7 @@ def _sample_sums(track: Track, descent: float) -> Array:
     drift = displacement[:, 1] * np.cos(middle_heading) - displacement[:, 0] * np.sin(middle_heading)
     first_sine, sine = np.sin(descent - heading[:-2]), np.sin(descent - middle_heading)
     rows = np.stack(
-        [np.ones_like(sine), first_sine, sine, turn, drift, *(first_sine * each for each in (sine, turn, drift))]
+        [np.ones_like(sine), first_sine, sine, turn, drift, *(first_sine * factor for factor in (sine, turn, drift))]
     )
     finite = np.isfinite(rows).all(axis=0)
     if (away_from_walls := track.free_samples(2)) is not None:

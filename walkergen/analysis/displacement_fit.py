@@ -4,7 +4,7 @@ The data decide whether these terms can be separated: a run appears as curvature
 from the scatter of independent samples.
 
 Arguments: `lag` (s) and `errors` (mm^2) have the shape (lags,). `values` are mean squared displacements (mm^2) at these
-lags; rows are those of all samples, then without each one. `turn` is a mean rate of turning, rad/s.
+lags: row 0 of all samples, each later row with one sample left out. `turn` is a mean rate of turning, rad/s.
 """
 
 import math
@@ -25,7 +25,7 @@ RUN_P_VALUE = 1e-3
 """Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
 
 SUSPECTED_P_VALUE = 0.025
-"""The same for a curvature that may be a run. The run's contribution is then unknown."""
+"""Probability, for walkers that only diffuse, of a curvature that may be a run, of unknown contribution."""
 
 INERTIA_P_VALUE = 0.025
 """Probability, for runs without inertia, of a diffusion below 0 that counts as inertia."""
@@ -42,7 +42,7 @@ START_RATE_RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
 NO_RUNS = ((0.0, 0.0), (0.0, 0.0))
 
 MIN_SAMPLES = 3
-"""Number of samples below which there is no fit: its weights need some without each one."""
+"""Number of samples up to which there is no fit: its weights need several when one is left out."""
 
 NO_SPREAD = Spread(*[math.nan] * 5)
 
@@ -59,9 +59,9 @@ class DisplacementFit(NamedTuple):
     """Fit of the mean squared displacement."""
 
     spreads: tuple[Spread, ...]
-    """Parameters of all samples, then of those without each one."""
+    """Parameters of all samples, then with each sample left out in turn."""
     run: bool
-    """Whether the data show a run: without one speed2 and rate are 0, and only diffusion remains."""
+    """Whether the data show a run. Without a run speed2 and rate are 0, and only diffusion remains."""
     misfit: float
     """Sum of squared residuals over its expectation: about 1 where the law holds."""
     p_value: float
@@ -73,9 +73,9 @@ class DisplacementFit(NamedTuple):
 
     @property
     def at_its_limit(self) -> bool:
-        """Whether both rates of a smooth run fall together, for all samples or without one of them.
+        """Whether both rates of a smooth run are equal in any of the fits, with all samples or one left out.
 
-        Such a fit has a parameter less: errors of a jackknife do not include what lies beyond the limit.
+        Such a fit has one parameter less, and errors of a jackknife do not cover runs beyond this limit.
         """
         return any(0.0 < spread.smooth_rate < (1.0 + MIN_RATE_DIFFERENCE) * spread.rate for spread in self.spreads)
 
@@ -100,7 +100,7 @@ class DisplacementFit(NamedTuple):
 
 
 def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> DisplacementFit:
-    """Fit the mean squared displacement of all samples, then that without each sample.
+    """Fit the mean squared displacement of all samples, then with each sample left out in turn.
 
     `squares` (mm^2, each of shape (lags,)) and `turns` (mean rates of turning, rad/s) have an entry for each of these
     fits. Parameters are NaN where lags are too few.
@@ -133,7 +133,7 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Displac
 def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier: DisplacementFit) -> list[Spread]:
     """Fit mean squared displacements by the law (with or without runs) and the weights of an earlier fit.
 
-    `squares` (mm^2, by `lag`) and `turns` (rad/s) are of samples too few to find a law or weights themselves.
+    `squares` (mm^2, by `lag`) and `turns` (rad/s) are of too few samples to find a law or weights from them.
     """
     use, law = np.isfinite(earlier.errors), earlier.spreads[0]
     if not use.any():
@@ -150,9 +150,9 @@ def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], earlier:
 
 
 def _replicate_errors(values: Array) -> Array:
-    """Return the standard errors of each row of `values`, of the same shape.
+    """Return the standard errors of `values`, in an array of their shape.
 
-    Every row has errors of its own, because the jackknife must include the scatter of the weights.
+    Errors are computed anew for every row, because the jackknife must include the scatter of the weights.
     """
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
@@ -170,7 +170,7 @@ def smooth_errors(lag: Array, errors: Array) -> Array:
 def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
     """Return the largest ratio of a run's speed2 to its error, over trial rates of losing direction.
 
-    Rows of `values` and `errors`, and `turns`: all samples, then without each one.
+    Rows of `values` and `errors`, and `turns`: all samples, then with each one left out.
     """
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
@@ -184,7 +184,7 @@ def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Seque
 
 
 def _is_negative(replicates: Sequence[float]) -> bool:
-    """Return whether a number is significantly below 0. `replicates`: of all samples, then without each one."""
+    """Return whether a number is significantly below 0. `replicates`: from all samples, then with each one left out."""
     error = float(statistics.jackknife_error(np.array(replicates[1:])[:, None])[0])
     return replicates[0] < -student_quantile(len(replicates) - 2, 1.0 - INERTIA_P_VALUE) * error
 
@@ -269,7 +269,7 @@ def _solve_linear(
 def _misfit_probability(residuals: Array, replicates: Array) -> tuple[float, float]:
     """Return the misfit, over its expectation, and the probability of at least as large a misfit.
 
-    `residuals`, shape (lags,), are in units of their errors; `replicates`, shape (samples, lags), without each sample.
+    `residuals`, shape (lags,), are in units of their errors; `replicates`, shape (samples, lags), lack one sample each.
     Residuals of neighbouring lags correlate: the expected sum of squares is from the jackknife's covariance, with
     degrees of freedom after Satterthwaite (1946).
     """

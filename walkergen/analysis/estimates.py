@@ -106,6 +106,7 @@ class Settings(NamedTuple):
     interval: float
     """Time between samples of a track, s."""
     lane: bool
+    """True if walkers run along a lane, not on a plane."""
     headed: bool
     """True if headings are known."""
     detrend_time_s: float
@@ -154,11 +155,11 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, settings: Settings) -> dict[str, float]:
-    """Compute all numbers of sums, by name: NaN if one has no meaning or no fit. `from_spread` adds the others."""
+    """Return numbers by name from sums over tracks; NaN without a meaning or fit. `from_spread` returns the others."""
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
     numbers["lane_speed"] = _ratio_or_nan(sums.run) / settings.interval
-    _add_moments(numbers, "parallel", sums.along)
-    _add_moments(numbers, "orthogonal", sums.across)
+    _add_mean_and_sd(numbers, "parallel", sums.along)
+    _add_mean_and_sd(numbers, "orthogonal", sums.across)
     if settings.lane:
         numbers["speed"], numbers["shortened"] = numbers["lane_speed"], 1.0
         _fit_dispersion(numbers, sums, settings)
@@ -171,7 +172,7 @@ def _ratio_or_nan(sum_and_count: Array) -> float:
     return float(sum_and_count[0] / sum_and_count[1]) if sum_and_count[1] > 0 else math.nan
 
 
-def _add_moments(numbers: dict[str, float], name: str, powers: Array) -> None:
+def _add_mean_and_sd(numbers: dict[str, float], name: str, powers: Array) -> None:
     """Add mean and sd of displacements to `numbers`, as `name`_mean and `name`_sd. `powers`: see `Moments.along`."""
     count, first, second = powers
     if count > 1:
@@ -286,8 +287,8 @@ def _guess_start_with_memory(lag: Array, values: Complex, errors: Array) -> tupl
 def _log_correlation_at_zero(lag: Array, correlation: Complex) -> float:
     """Extrapolate the logarithm of the correlation of headings to lag 0: noise makes it negative.
 
-    By the parabola through the first three lags (s): with inertia headings hardly turn at first, and the fitted decay
-    would miss it.
+    A parabola goes through the first three lags (s): with inertia headings hardly turn at first, which the fitted decay
+    would miss.
     """
     logarithms = np.log(np.maximum(np.abs(correlation[:3]), 1e-300))
     return float(np.polyval(np.polyfit(lag[:3], logarithms, 2), 0.0))

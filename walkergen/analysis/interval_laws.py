@@ -19,19 +19,19 @@ RUN_QUANTITIES = ("ballistic_speed", "diffusivity", "crossover_time")
 """Numbers of the squared displacement. Fast walkers, and those that turn little, weigh more in them."""
 
 SPREADING_QUANTITIES = ("diffusivity", "crossover_time")
-"""Those that a run decides by the rate at which it is lost, and without a run the square of displacements."""
+"""Numbers that depend on the rate of losing direction if there is a run, else on squared displacements."""
 
 TURN_POWERS = {
     "persistence_rate": 1,
     **dict.fromkeys(("persistence_time", "persistence_length", *SPREADING_QUANTITIES), -1),
 }
-"""Powers of numbers that scatter as the mean square of turns does: as a variance, more often small than large."""
+"""Powers of numbers that, so raised, scatter as the mean square of turns: as a variance."""
 
 
 def with_walker_error(number: Quantity, leave_one_out: Sequence[float], always: bool) -> Quantity:
     """Return a number with its error from the scatter between walkers if they differ, or if `always`; else unchanged.
 
-    `leave_one_out`: the number's values, from all walkers, then without each walker.
+    `leave_one_out`: the number's values, from all walkers, then with each walker left out.
     """
     freedom, values = len(leave_one_out) - 1, np.array(leave_one_out)[:, None]
     if freedom < 1 or not number.se or not np.isfinite(values).all():
@@ -107,6 +107,6 @@ def _persistence_time_and_length(estimates: Mapping[str, Quantity]) -> dict[str,
     for name, other in (("persistence_time", None), ("persistence_length", speed)):
         number = estimates[name]
         if number.known and rate.value and rate.se:
-            shares = [each.se / each.value for each in (rate, other) if each and each.se and each.value]
+            shares = [factor.se / factor.value for factor in (rate, other) if factor and factor.se and factor.value]
             times[name] = number._replace(se=number.number * math.hypot(*shares), freedom=rate.freedom)
     return times

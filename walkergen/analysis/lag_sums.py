@@ -76,7 +76,7 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
     size = fft_length(2 * len(first))
 
     def transform(series: Complex) -> tuple[Complex, Complex]:
-        """Return the transforms of a series, 0 where it is NaN, and of where it is known (1 or 0)."""
+        """Return the transforms of a series, with 0 for NaN, and of its mask: 1 where it is known, else 0."""
         seen = ~np.isnan(series)
         return fft.fft(np.where(seen, series, 0.0), size), fft.fft(seen.astype(float), size)
 

@@ -1,4 +1,4 @@
-"""Frames without a new place: lost walkers stored at a fixed place, such as (0, 0), and copies of the frame before."""
+"""Frames without a new position: lost walkers stored at a fixed one, such as (0, 0), and copies of earlier frames."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ MIN_CATCH_UP = 1.5
 
 
 def drop(tracks: Tracks) -> Tracks:
-    """Return tracks without places that are none; the note counts them and names copies whose time is unknown."""
+    """Return tracks with NaN for lost walkers and repeated frames. Their note counts both and warns of copies."""
     cleaned, notes = [], []
     place = _lost_place(tracks.tracks)
     count = 0

@@ -45,7 +45,7 @@ class Moments(NamedTuple):
     """Displacement ahead (mm; imaginary part: to the left) over neighbouring samples, along the
     headings at both, and number of such pairs."""
     far: Complex
-    """The same along the headings a sample earlier and a sample later than these."""
+    """As `near`, but along the headings a sample earlier and a sample later than both."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -55,7 +55,7 @@ class Moments(NamedTuple):
     """Sum of squared displacements by lag, mm^2."""
     square_pairs: Array
     about_run: Array
-    """The same in a lane, about the mean speed of each walker's whole track."""
+    """As `square`, but in a lane and about the mean speed of each walker's whole track."""
     turn: Complex
     """Sum of products of headings, less their steady turn, by lag; without headings, of
     displacements over `step`, mm^2."""

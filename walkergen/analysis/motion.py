@@ -42,12 +42,12 @@ FITTED_LAG_DIVISOR = 4
 MISFIT_P_VALUE = 0.01
 """Probability of a misfit below which the law of the squared displacement is doubted."""
 FREE_PLACES_SHARE = 0.2
-"""Share of the free places between walls for the longest lag: during it, no wall is within their reach."""
+"""Share of the free places between walls that stay out of reach of walls for the longest lag."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
 
 REST_LAG_DIVISORS, MAX_REST_SHARE = (8, 16, 32), 0.03
-"""Parts of the longest track over which walkers at rest move least, and their displacement over the largest."""
+"""Lags of the test for rest, as parts of the longest track, and the largest move at rest, over the fastest's."""
 MAX_NAMED, REST_WORDS = 10, "rest and are in no number"
 """Largest number of walkers at rest that are named, and what is stated of them."""
 
@@ -157,7 +157,7 @@ def analyse(
         msd_fit=None,
         by_plate_speed=tuple(speeds),
         line=line,
-        walkers=sorted((walker for each in analyses for walker in each.walkers), key=attrgetter("particle")),
+        walkers=sorted((walker for analysis in analyses for walker in analysis.walkers), key=attrgetter("particle")),
     )
 
 
@@ -178,9 +178,9 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
     turnings = turning.walker_turnings(_level_headings(tracks, aligned, descent), tracks.interval) if on_plane else []
     mean_steps = _mean_lane_steps(tracks) if tracks.lane else _mean_turns(tracks, turnings)
 
-    def sum_moments(some: Iterable[Track]) -> Moments:
-        """Return the sum of the moments of some tracks."""
-        return moments.total(moments.measure(t, grid, mean_steps[t.particle]) for t in some)
+    def sum_moments(members: Iterable[Track]) -> Moments:
+        """Return the sum of the moments of several tracks."""
+        return moments.total(moments.measure(t, grid, mean_steps[t.particle]) for t in members)
 
     parts = [sum_moments(group) for group in groups]
     of_pieces = moments.total(parts)
@@ -286,7 +286,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
 def _resting_walkers(tracks: Tracks) -> dict[int, WalkerMeans]:
     """Return the walkers that move far less than the fastest, by number, each with the reason why it is left out.
 
-    A walker's size is its largest root mean square displacement over parts of the longest track.
+    Walkers are compared by their largest root mean square displacement over parts of the longest track.
     """
     longest = max(len(track.position) for track in tracks.tracks)
     steps = [max(longest // divisor, 1) for divisor in REST_LAG_DIVISORS]
@@ -333,7 +333,7 @@ def _level_headings(tracks: Tracks, estimates: Mapping[str, Quantity], descent: 
 
 
 def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
-    """Return the mean turn per sample of each particle, rad; the mean over all particles if its own is unknown."""
+    """Return the mean turn per sample of each particle, rad; the mean over all particles for those unknown."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
     turns = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
@@ -382,11 +382,11 @@ def _bin_edges(values: Array, step: int) -> Array:
     low, high = np.quantile(values, [0.25, 0.75])
     width = 2.0 * (high - low) / (len(values) / step) ** (1 / 3)
     count = math.ceil(np.ptp(values) / width) if width > 0 else 1
-    return np.linspace(values.min(), values.max(), min(max(count, 5), 200) + 1)
+    return np.linspace(values.min(), values.max(), min(max(count, 5), 200) + 1)  # 5 to 200 bins
 
 
 def _jackknife_error(replicates: Sequence[Array]) -> Array:
-    """Return jackknife errors from arrays of values, each without one sample."""
+    """Return the jackknife errors of an array, from replicates of its shape that lack one sample each."""
     return statistics.jackknife_error(np.stack(replicates))
 
 
@@ -408,7 +408,7 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
 
 
 def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Curve:
-    """Return the curve by lag of `values[0]`, of all samples, with errors from `values[1:]`, of those without each one.
+    """Return the curve of `values[0]` (all samples) by lag, with errors from `values[1:]` (one sample left out each).
 
     Errors are NaN beyond half of a sample's `length`. Lags and length are in positions.
     """
@@ -417,7 +417,7 @@ def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Cur
 
 
 def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
-    """Return the density (1/mm) in bins with these edges (mm); `counts` of all samples, then without each one."""
+    """Return the density (1/mm) in bins with these edges (mm). `counts`: all samples, then one left out."""
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
     densities = [count / (max(count.sum(), 1.0) * np.diff(edges)) for count in counts]

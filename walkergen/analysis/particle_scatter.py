@@ -19,7 +19,7 @@ from walkergen.core.numerics.distributions import fisher_tail
 from walkergen.core.numerics.quantity import UNIT_SYMBOLS, Quantity
 
 SCATTER_P_VALUE = 0.01
-"""Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
+"""Probability, for equal walkers, of a spread that counts as resolved (an F test)."""
 
 SHORTENED_SPEEDS = ("speed", "body_speed", "sideways_speed")
 """Speeds that are corrected alike, by the share of a speed that displacements show."""
@@ -70,7 +70,7 @@ class _Series(NamedTuple):
     unit: float
     """Factor from a mean step per sample to the speed or rate."""
     blocks: Array
-    """The mean itself over blocks of neighbouring samples, whose correlation its error needs."""
+    """Speeds or rates over blocks of neighbouring samples, whose correlation affects the error of the mean."""
     squared: bool = False
     """True when steps are products, and the root of their modulus is a speed."""
 
@@ -169,7 +169,7 @@ def _nanmean(values: Complex) -> Complex:
 
 
 def _series_mean(name: str, series: _Series, settings: Settings) -> Quantity:
-    """Return the mean of a series with its error, from pieces or its correlation time, or the reason why not."""
+    """Return the mean of a series with its error, from pieces or the correlation time, or refused with a reason."""
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], TRACK_PIECES + 1).astype(int)[:-1]
@@ -260,7 +260,7 @@ def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
 
 
 def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
-    """Return means in which speeds have the relative error of `shortened`, common to all walkers, added to theirs."""
+    """Return means whose speeds' errors include the relative error of `shortened`, common to all walkers."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
         name: mean._replace(se=math.hypot(mean.se, relative * mean.value))

@@ -32,7 +32,7 @@ def delayed_lag(lag: Array, memory: float) -> Array:
     """Return lags (s), shortened because rates of turning last for the correlation time `memory` > 0 (s).
 
     With an exponential correlation of this time, as of a body with moment of inertia in a viscous medium, direction is
-    lost as exp(-rate times this) (Uhlenbeck and Ornstein 1930).
+    lost as exp(-rate * delayed lag) (Uhlenbeck and Ornstein 1930).
     """
     result: Array = lag + memory * np.expm1(-lag / memory)
     return result
@@ -44,7 +44,7 @@ class Spread(NamedTuple):
     speed2: float
     """Mean square of the speed that persists, mm^2/s^2."""
     rate: float
-    """Rate at which its direction is lost, 1/s."""
+    """Rate at which this speed's direction is lost, 1/s."""
     diffusion: float
     """Translational diffusion in addition to the run, mm^2/s."""
     offset: float
@@ -53,9 +53,9 @@ class Spread(NamedTuple):
     """Mean rate of turning, rad/s."""
     smooth2: float = 0.0
     """Decrease (below 0) of the correlation of speeds at short lags, mm^2/s^2. Inertia makes runs start
-    smoothly. It goes with the persistent part's speed2."""
+    smoothly, so that `smooth2` is 0 without a run."""
     smooth_rate: float = 0.0
-    """Rate at which that is lost, 1/s; 0 without it."""
+    """Rate at which `smooth2` is lost, 1/s; 0 without inertia."""
 
     @property
     def mean_square(self) -> float:

@@ -1,4 +1,4 @@
-"""Poses: tables of parts of bodies, as DeepLabCut and SLEAP write them, as places and headings of walkers."""
+"""Pose tables of DeepLabCut and SLEAP: parts of bodies, converted to positions and headings of walkers."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -46,7 +46,7 @@ class Part(NamedTuple):
 
 
 def read_deeplabcut(path: Path) -> Source:
-    """Read DeepLabCut's table. Names take three lines, or four with individuals.
+    """Read the rows of DeepLabCut's table. Its header has three lines, or four with individuals.
 
     A row is a frame, or a picture whose name contains the frame.
     """
@@ -56,7 +56,7 @@ def read_deeplabcut(path: Path) -> Source:
     rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
     if not {"bodyparts", "coords"} <= set(rows):
         raise InputError(f"{path}: begins as DeepLabCut's tables do, but has no lines bodyparts and coords")
-    first = next((at for at, cell in enumerate(rows["coords"]) if at and cell), 1)  # behind a picture's folders
+    first = next((at for at, cell in enumerate(rows["coords"]) if at and cell), 1)  # after a picture's folders
     parts, coords = rows["bodyparts"][first:], rows["coords"][first:]
     individuals = rows["individuals"][first:] if "individuals" in rows else [""] * len(parts)
     if not len(parts) == len(coords) == len(individuals):
@@ -64,7 +64,7 @@ def read_deeplabcut(path: Path) -> Source:
         raise InputError("{}: its lines of names have {}, {} and {} cells. Make them equal.".format(path, *counts))
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
-    below = ["\n"] * (len(rows) - 1)  # its other lines of names
+    below = ["\n"] * (len(rows) - 1)  # for the other lines of the header, so that line numbers stay
     body: Iterator[str] = islice(track_columns.read_text(path), len(rows), None)
     pictures = len(head) > len(rows) and bool(PICTURE_PATTERN.match(",".join(head[len(rows)][:first]) + ","))
     if pictures:

@@ -1,4 +1,4 @@
-"""Rows of tracks on regular times: as they were sampled, or taken between frames of a rate that varies."""
+"""Tracks at regular times, built from rows of a table and interpolated where the frame rate varies."""
 
 from pathlib import Path
 
@@ -33,7 +33,7 @@ MAX_ROUNDING_SHARE = 0.25
 
 
 def from_times(path: Path, table: Columns, name: str) -> Tracks:
-    """Build tracks of rows with a column `time`, s, called `name` in the file `path`.
+    """Build tracks from rows with a column `time`, s, which is called `name` in the file `path`.
 
     x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
     """
@@ -53,7 +53,7 @@ def from_times(path: Path, table: Columns, name: str) -> Tracks:
 
 
 def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
-    """Build tracks of rows with a column `frame`, at `fps` frames per second. Raises InputError."""
+    """Build tracks from rows with a column `frame`, at `fps` frames per second. Raises InputError."""
     frames = table.values["frame"]
     table = table.reject_rows(frames != np.rint(frames), "frame is not a whole number")
     if not len(table.lines):
@@ -76,7 +76,7 @@ def _resample_regularly(table: Columns, irregular: int) -> tuple[Columns, str]:
     interval = float(np.median(steps[near]))
     near &= steps <= MAX_STEP_RATIO * interval
     times = table.values["time"]
-    first, last = np.ceil(times[:-1] / interval), np.ceil(times[1:] / interval)  # the last belongs to the next
+    first, last = np.ceil(times[:-1] / interval), np.ceil(times[1:] / interval)  # `last` belongs to the next row
     counts = np.where(near, last - first, 0.0).astype(np.int64)
     rows = np.repeat(np.arange(len(counts)), counts)
     offsets = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -88,7 +88,7 @@ def _resample_regularly(table: Columns, irregular: int) -> tuple[Columns, str]:
         change = np.diff(column)[rows]
         if name == "theta":
             change = (change + np.pi) % (2.0 * np.pi) - np.pi
-        # What is one number of a walker, as its own or the plate's speed, does not change with time
+        # A column with one number per walker, such as the plate's speed, does not change with time
         values[name] = column[rows] + np.where(change == 0.0, 0.0, share * change)
     low, high = (1e3 * float(end(steps[near])) for end in (np.min, np.max))
     note = (
@@ -108,7 +108,7 @@ def _row_steps(table: Columns) -> tuple[Array, Mask]:
 
 
 def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, Mask]:
-    """Return the time between samples (s), the rows' times in units of it from 0 on, and which are off the grid."""
+    """Return the time between samples (s), the rows' times in samples from the first, and which are off the grid."""
     times = table.values["time"]
     rounding = _rounding_step(times)
     interval = _sample_interval(path, times, _particle_numbers(table), rounding)
@@ -153,7 +153,7 @@ def _particle_numbers(table: Columns) -> Array:
 
 
 def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> Tracks:
-    """Sort rows into tracks, on the coarsest grid with all `ticks`: the rows' times from 0 on, over `interval` (s)."""
+    """Sort rows into tracks, on the coarsest grid with all `ticks`: the rows' times from 0, over `interval` (s)."""
     position = np.stack([table.values[axis] for axis in ("x", "y") if axis in table.values], axis=1)
     heading = table.values.get("theta")
     if heading is not None and np.isnan(heading).all():

@@ -17,7 +17,7 @@ MIN_VALUE_MM_S = 1e-6
 """Least error, and least speed of a plate, mm/s."""
 
 MAX_VALUES = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_speed_mm_s": 1e6}
-"""Largest sizes that are measurements, not slips of the pen, by column."""
+"""Largest absolute values that are accepted as measurements, by column."""
 
 MIN_SPEED_RATIO, MAX_SPEED_RATIO = 0.005, 50.0
 """Limits of a file's largest speed over the plate's; beyond them its unit is another. Walkers have 0.05 to 3."""
@@ -50,7 +50,7 @@ class Measured(NamedTuple):
 
 
 def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
-    """Read columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
+    """Read measured speeds from columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
 
     A row may name a file of tracks instead of a speed. `kind` of the legs and `plate_speed` (mm/s) are used
     where the file has none. Raises InputError.

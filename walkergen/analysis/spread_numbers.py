@@ -1,7 +1,7 @@
-"""Numbers of sums over tracks, extended by those that follow from a fit of their mean squared displacement.
+"""Numbers of motion that follow from a fit of the mean squared displacement, added to those from sums over tracks.
 
-`numbers` (values by name) and `sums` have an entry for all samples, then for those without each one. The fit to these
-finds the law of the displacement (with or without runs). Sums without each walker are fitted by the same law.
+`numbers` (values by name) and `sums`: one entry for all samples, then one with each sample left out. The fit to these
+finds the law of the displacement (with or without runs). Sums with each walker left out are fitted by that law.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,7 +19,7 @@ from walkergen.core.numerics import Array
 def add_fit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], settings: Settings, longest_lag: int
 ) -> tuple[list[dict[str, float]], DisplacementFit | None]:
-    """Fit the squared displacement up to a lag (samples). Return `numbers` with those of the fit added, and the fit."""
+    """Fit the squared displacement up to a lag (samples). Return `numbers` with the fit's added, and the fit."""
     if settings.lane:
         return numbers, None
     lag, squares = _mean_squares(sums, settings, int((settings.grid.square_lags <= longest_lag).sum()))
@@ -30,7 +30,7 @@ def add_fit(
 def add_refit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], settings: Settings, fit: DisplacementFit | None
 ) -> list[dict[str, float]]:
-    """Fit `sums` without each walker by the law of an earlier `fit`. Return `numbers` with those of the fits added."""
+    """Fit `sums`, with each walker left out, by an earlier fit's law. Return `numbers` with those of the fits added."""
     if fit is None or not len(fit.errors):
         return numbers
     lag, squares = _mean_squares(sums, settings, len(fit.errors))
@@ -39,7 +39,7 @@ def add_refit(
 
 
 def _mean_squares(sums: Sequence[Moments], settings: Settings, count: int) -> tuple[Array, list[Array]]:
-    """Return the first `count` lags (s), and for each of the sums the mean squared displacement (mm^2) at them."""
+    """Return the first `count` lags (s), and for each of the sums the mean squared displacements (mm^2) by lag."""
     lag = settings.interval * settings.grid.square_lags[:count].astype(float)
     return lag, [np.asarray(mean(sample.square, sample.square_pairs), float)[:count] for sample in sums]
 

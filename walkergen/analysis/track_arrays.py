@@ -1,4 +1,4 @@
-"""Tracks in files of arrays: NetCDF in the layout of movement, SLEAP's and idtracker.ai's HDF5, NPZ of columns.
+"""Tracks in files of arrays: NetCDF of the package movement, SLEAP's and idtracker.ai's HDF5, NPZ of columns.
 
 NetCDF 3 is read by scipy and NPZ by numpy; HDF5, which later NetCDF is as well, by h5py of the extra `poses`.
 In a `lane` y may be ignored.
@@ -25,7 +25,7 @@ from walkergen.core.files.columns import Columns
 from walkergen.core.numerics import Array
 
 NETCDF_MAGIC, HDF5_MAGIC, ZIP_MAGIC = (b"CDF\1", b"CDF\2"), b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
-"""First bytes of files."""
+"""First bytes of NetCDF 3, HDF5 and ZIP (NPZ) files."""
 
 UNSUPPORTED_MAGIC: Mapping[bytes, str] = {
     b"\x93NUMPY": "an array of numpy: give the table as CSV (idtracker.ai: trajectories.csv or trajectories.h5)",
@@ -141,14 +141,14 @@ def _read_netcdf(path: Path) -> ArrayFile:
 
 
 def _decode_texts(data: npt.NDArray[Any]) -> list[str]:
-    """Return the texts of an array of bytes or objects: each as one value, or as letters in a row."""
+    """Return the texts of an array of bytes or objects, in which a row is one text or its letters."""
     rows = data.reshape(len(data), -1).tolist()
     whole = (row[0] if len(row) == 1 else b"".join(row) for row in rows)
     return [text.rstrip(b"\0").decode() if isinstance(text, bytes) else str(text) for text in whole]
 
 
 def _decode_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Return attributes as text."""
+    """Return attributes with their values as text."""
     return {name: value.decode() if isinstance(value, bytes) else str(value) for name, value in attributes.items()}
 
 
@@ -212,7 +212,7 @@ def _reorder_dimensions(arrays: ArrayFile, name: str, order: tuple[str, ...]) ->
 
 
 def _from_movement(path: Path, arrays: ArrayFile, lane: bool) -> Source:
-    """Return the rows of a data set of movement, of poses or of boxes around walkers."""
+    """Return the rows of a file in the layout of the package movement, with poses or boxes around walkers."""
     words = {name.removesuffix("s"): texts for name, texts in arrays.words.items()}
     if not {"position", "time"} <= set(arrays.values) or not {"x", "y"} <= set(words.get("space", ())):
         raise InputError(f"{path}: no position in x and y with its time, as movement's data sets have")
@@ -263,7 +263,7 @@ def _from_parts(
 
 
 def _from_walkergen(arrays: ArrayFile, x: Array, y: Array, individuals: Sequence[str], lane: bool) -> Source:
-    """Return the rows of walkergen's own runs; x and y: shape (walkers, times). If y stays 0 they ran in a lane."""
+    """Return the rows of walkergen's own runs; x and y: shape (walkers, times). In a lane y stays 0."""
     theta = _reorder_dimensions(arrays, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
     runs = [individual.rpartition("_")[2] for individual in individuals]

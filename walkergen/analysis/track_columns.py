@@ -86,7 +86,7 @@ COLUMN_NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "particle": ("particle", "track_id", "trackid", "individual", "tid", "track", "track_n", "id", "object_id"),
     }
 )
-"""Names of columns by their contents, in small letters with _ between words; the first that is there counts."""
+"""Names of columns by their contents, in small letters with _ between words; the first one found is used."""
 
 UNITS_BY_COLUMN: Mapping[str, Sequence[str]] = MappingProxyType(
     {
@@ -138,7 +138,7 @@ class Source(NamedTuple):
     """Rows of a file, and its units and axes."""
 
     table: Columns
-    """Columns frame, time, x, y, theta, particle, plate_speed_mm_s and SCALE, as far as the file has them."""
+    """Columns frame, time, x, y, theta, particle, plate_speed_mm_s and SCALE_COLUMNS, if the file has them."""
     named: Mapping[str, NamedColumn]
     """Names of the columns in the file, and the units that they state."""
     program: str = ""
@@ -146,7 +146,7 @@ class Source(NamedTuple):
     y_down: bool = False
     """True if that program counts y downward, as rows of a picture."""
     mirrored: bool = False
-    """True if it counts headings counterclockwise, as people see them, though y goes down."""
+    """True if the program counts headings counterclockwise on the picture, though y goes down."""
     notes: tuple[str, ...] = ()
     """Notes on how the file was read, as text."""
 
@@ -182,9 +182,9 @@ def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
             candidates.setdefault(what, []).append((rank, NamedColumn(name, unit)))
     if len(candidates.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
         raise InputError("both theta (rad) and theta_deg; keep one")
-    # Of equal names the one that states a unit beyond pixels
+    # Of names of equal rank take the one that states a unit other than pixels
     return {
-        what: min(found, key=lambda each: (each[0], each[1].unit in ("", PIXEL)))[1]
+        what: min(found, key=lambda ranked: (ranked[0], ranked[1].unit in ("", PIXEL)))[1]
         for what, found in candidates.items()
     }
 
@@ -259,7 +259,7 @@ def to_long_table(
     """Return a table with a row for each walker in each frame, from arrays by frame.
 
     `walkers`: x, y and, for all or none, theta of each; `numbers`: their numbers. `clock` ("frame" or "time") is the
-    column for `times`. `table` has a row for each frame, of which lines and reasons of bad rows are used.
+    column for `times`. `table` has a row for each frame, and gives the lines and the bad rows.
     """
     parts: dict[str, list[Array]] = {clock: [], "particle": [], "x": [], "y": [], "theta": []}
     lines = []
@@ -267,7 +267,7 @@ def to_long_table(
         seen = np.isfinite(x) & np.isfinite(y)
         for name, column in ((clock, times), ("x", x), ("y", y), ("particle", np.full(len(x), float(number)))):
             parts[name].append(column[seen])
-        parts["theta"] += [each[seen] for each in theta]
+        parts["theta"] += [angles[seen] for angles in theta]
         lines.append(table.lines[seen])
     values = {name: np.concatenate(arrays) for name, arrays in parts.items() if arrays}
     return Columns(values, np.concatenate(lines), table.bad)

@@ -38,7 +38,7 @@ MAX_RATE_ERROR = 1e-3
 """Relative difference of frame rates up to which files are of one recording."""
 
 MAX_TURN_RAD = 2.0 * math.pi + 1e-3
-"""Heading, rad, beyond which a column without a unit may hold degrees: a turn."""
+"""Heading, rad, beyond which a column without a unit may hold degrees: one full turn."""
 
 
 class Units(NamedTuple):
@@ -58,7 +58,7 @@ class Units(NamedTuple):
 
 
 class _Given(NamedTuple):
-    """Units that are given; None for each that is not."""
+    """Units that --unit gives; None for each that is missing there."""
 
     length: str | None
     time: str | None
@@ -66,13 +66,13 @@ class _Given(NamedTuple):
 
 
 def read_tracks(path: Path, units: Units) -> Tracks:
-    """Read the tracks of a file, without places of lost and of repeated frames.
+    """Read the tracks of a file, with NaN for positions in lost and in repeated frames.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
     usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`,
     which also explains how columns were interpreted.
     """
-    return lost_frames.drop(_read_all(path, units))
+    return lost_frames.drop(_read_with_lost_frames(path, units))
 
 
 def read_recording(paths: Sequence[Path], units: Units) -> Tracks:
@@ -111,7 +111,7 @@ def read_recording(paths: Sequence[Path], units: Units) -> Tracks:
 
 
 def _spread_samples(track: Track, stride: int) -> Track:
-    """Return a track with `stride` - 1 samples without a place between two of its own."""
+    """Return a track with `stride` - 1 unknown samples (NaN) inserted between neighbouring samples."""
     if stride == 1:
         return track
     position = np.full(((len(track.position) - 1) * stride + 1, track.position.shape[1]), np.nan)
@@ -122,8 +122,8 @@ def _spread_samples(track: Track, stride: int) -> Track:
     return track._replace(position=position, heading=heading)
 
 
-def _read_all(path: Path, units: Units) -> Tracks:
-    """Read the tracks of a file with all their places. Raises InputError as `read_tracks`."""
+def _read_with_lost_frames(path: Path, units: Units) -> Tracks:
+    """Read the tracks of a file, lost and repeated frames included. Raises InputError as `read_tracks`."""
     given = _parse_units(units.unit)
     source = track_formats.read_source(path, units.lane)
     if source.program == WALKERGEN_PROGRAM:
@@ -238,7 +238,7 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
 def _time_clock(
     path: Path, source: Source, units: Units, seconds: float, notes: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
-    """Return what `_choose_clock` returns for a column of times. Raises InputError if a frame rate is given too."""
+    """Return the result of `_choose_clock` for a column of times. Raises InputError if a frame rate is also given."""
     if units.fps is not None:
         raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave out ‹fps›")
     return seconds, True, notes
@@ -261,7 +261,7 @@ def _check_range(field: str, value: float) -> float:
 
 
 def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
-    """Return the length of a unit of the positions, mm, and a note on it. Raises InputError if it is unknown."""
+    """Return the millimetres of a unit of the positions, and a note on the unit. Raises InputError if it is unknown."""
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
         raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")
@@ -287,7 +287,7 @@ def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
 
 
 def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
-    """Return the unit of headings in rad, and a note on it. Raises InputError if the unit is unknown."""
+    """Return the radians of a unit of the headings, and a note on the unit. Raises InputError if it is unknown."""
     named = source.named.get("theta")
     unit = given.angle or (named.unit if named else "rad")
     if unit:

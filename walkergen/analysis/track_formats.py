@@ -1,4 +1,4 @@
-"""Rows of tracks as programs write them, brought into one form: a row for a walker in a frame.
+"""Files of tracks in the formats of many programs, read into one form: a row for each walker in each frame.
 
 A table whose columns name their contents is read directly, from any program. Other layouts, by program:
 TrackMate (tables of spots, XML of spots or of tracks), DeepLabCut (three or four lines of names),
@@ -22,7 +22,7 @@ from walkergen.core.files import formatting as words
 from walkergen.core.numerics import Array
 
 NO_TRACK_LABELS = ("none", "ø")
-"""What TrackMate writes instead of a track's number for a spot without a track."""
+"""Texts that TrackMate writes instead of a track's number for a spot without a track."""
 
 TREX_COLUMNS = ("X#wcentroid (cm)", "X (cm)")
 """Columns of TRex's tables, of the body and of its head."""
@@ -99,7 +99,7 @@ def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
 
 
 def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Source:
-    """Return the rows of a table whose column `names` state their contents."""
+    """Return the rows of a table whose column `names` state their contents. `titled`: a title is above the header."""
     try:
         named = track_columns.find_columns(names)
     except InputError as error:

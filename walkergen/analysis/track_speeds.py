@@ -122,7 +122,7 @@ def _column_or_nan(table: Columns, name: str) -> Array:
 
 
 def _read_film(path: Path) -> _Film:
-    """Return the walkers of a file of tracks, as `analyse` measures them."""
+    """Analyse a file of tracks. Return the speeds of its walkers, and notes on the tracks."""
     read = track_files.read_tracks(path, track_files.Units())
     measured = motion.analyse(read, found_walls=walls.find_walls(read))
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
@@ -138,7 +138,7 @@ def _read_film(path: Path) -> _Film:
 
 
 def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
-    """Yield the walkers that row `at` of the table names by number, or all if NaN. Raises InputError for others."""
+    """Yield the walkers that row `at` of the table represents: the one with this `number`, or all if it is NaN."""
     single_walkers = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
         unknown = all(walker.speed is None for walker in single_walkers)

@@ -45,7 +45,7 @@ def describe_scale_error(share: float | None) -> str:
 
 
 def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
-    """Return a warning if headings are known only up to a half turn."""
+    """Return a warning, in a list, if headings often flip by half a turn; else []."""
     flips = pairs = 0
     for track in tracks:
         unit = moments.direction_vectors(track, 1)
@@ -61,7 +61,7 @@ def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
 
 
 def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
-    """Return a warning if headings fit displacements in groups of tracks only when turned or mirrored."""
+    """Return a warning, in a list, if headings fit displacements only when turned or mirrored; else []."""
     sums = np.zeros((len(groups), 2), dtype=complex)
     for number, group in enumerate(groups):
         for track in group:
@@ -86,7 +86,7 @@ def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
 
 
 def _jump_doubts(tracks: Tracks) -> list[str]:
-    """Return a warning about steps far beyond all others: exchanged numbers, or a walker that was moved."""
+    """Return a warning, in a list, about steps far beyond all others, as of exchanged walkers; else []."""
     jumps, steps = [], [_track_steps(track) for track in tracks.tracks]
     usual = np.concatenate([step for _, step in steps])
     if not len(usual):
@@ -117,7 +117,7 @@ def _track_steps(track: Track) -> tuple[Whole, Array]:
 
 
 def _fragment_doubts(tracks: Sequence[Track]) -> list[str]:
-    """Return a warning if there are more tracks than walkers seen in any one frame."""
+    """Return a warning, in a list, if there are more tracks than walkers seen at any one time; else []."""
     plates = {track.plate_speed for track in tracks}
     most = sum(_max_simultaneous([t for t in tracks if t.plate_speed == plate]) for plate in plates)
     if most == len(tracks):

@@ -45,7 +45,7 @@ def _from_rows(
     unit: str,
     frame_s: float | None = None,
 ) -> Source:
-    """Return the rows of frame, particle, x and y as a source, with the lines where they are in the file.
+    """Return a source from rows of frame, particle, x and y. `lines`: line numbers of the rows in the file.
 
     `bad`: reasons by line; `unit` of x and y; `frame_s`: time between frames, s, if known.
     """

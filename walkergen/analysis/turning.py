@@ -19,7 +19,7 @@ PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
 
 WALLED_PIECES = 16
-"""The same between walls, where some pieces hold no free motion."""
+"""Number of such pieces between walls, where some contain no free motion."""
 
 MIN_GAP_CORRELATION = 0.6
 """Least correlation of headings across a gap for the turn within it to be known (one normal turn in 500 is then
@@ -73,7 +73,7 @@ def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
     for unit in units:
         products, count = lag_sums.sum_products(unit, lags)
-        total, pairs = total + np.abs(products), pairs + count  # about each one's own mean turn
+        total, pairs = total + np.abs(products), pairs + count  # the modulus ignores each walker's mean turn
     unknown = lags[total < MIN_GAP_CORRELATION * pairs]
     bridged = lags[lags < unknown[0]] if len(unknown) else lags
     return int(bridged[-1]) if len(bridged) else 1
@@ -116,7 +116,7 @@ def scatter(turnings: Sequence[Turning]) -> Quantity:
     """Estimate the standard deviation of the mean turning rates of at least two walkers, rad/s.
 
     The part that the spread between each walker's own pieces explains is subtracted, so that diffusion of the heading
-    alone gives none.
+    alone causes no scatter.
     """
     if len(turnings) < 2:
         reason = f"{len(turnings)} walkers with several pieces of a track; at least 2"

@@ -41,14 +41,14 @@ Numbers = Mapping[str, Quantity]
 TOO_FEW_REASON = "too few data for its fit: film for longer"
 
 POSITIVE_P_VALUE = 5e-3
-"""Probability of a number that counts as larger than 0 though it is not (Student's t)."""
+"""Probability that a number counts as larger than 0 though the true value is 0 (Student's t)."""
 
 MEMORY_P_VALUE = 0.025
 """Probability, for walkers whose memory lasts for a sample, of one that counts as shorter."""
 
 
 def jackknife_quantity(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
-    """Return the number `name` with its jackknife error, or refused. `numbers`: of all samples, then without each."""
+    """Return the number `name` with its jackknife error, or refused. `numbers`: all samples, then one left out."""
     value, error = numbers[0][name], _jackknife_error(numbers[1:], name)
     if not (math.isfinite(value) and math.isfinite(error)):
         return refusal(name, TOO_FEW_REASON)
@@ -73,7 +73,7 @@ def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> fl
 def choose_memory(sums: Sequence[Moments], settings: Settings) -> tuple[Settings, list[dict[str, float]]]:
     """Decide whether turning has a memory. Return `settings` with the decision, and the numbers that follow from it.
 
-    `sums` and numbers have an entry for all samples, then for those without each one.
+    `sums` and numbers have an entry for all samples, then one with each sample left out.
     """
     if settings.lane or not settings.headed:
         return settings, evaluate_all(sums, settings)
@@ -84,7 +84,7 @@ def choose_memory(sums: Sequence[Moments], settings: Settings) -> tuple[Settings
     if is_resolved(memory) and numbers[0]["turning_memory"] > settings.interval:
         return with_memory, numbers
     plain = evaluate_all(sums, settings)
-    if _is_shorter(memory, settings.interval):
+    if _is_significantly_shorter(memory, settings.interval):
         return settings, plain
     return settings._replace(memory_open=True), _merge_persistence(plain, numbers)
 
@@ -98,8 +98,8 @@ def evaluate_all(sums: Sequence[Moments], settings: Settings) -> list[dict[str, 
     return _merge_persistence(values, [evaluate(sample, with_memory) for sample in sums])
 
 
-def _is_shorter(memory: Quantity, seconds: float) -> bool:
-    """Return whether a memory (s) is significantly shorter than `seconds`."""
+def _is_significantly_shorter(memory: Quantity, seconds: float) -> bool:
+    """Return whether the correlation time `memory` (s) is significantly shorter than `seconds`."""
     if memory.value is None or memory.se is None:
         return False
     errors = student_quantile(memory.freedom, 1.0 - MEMORY_P_VALUE)
@@ -109,7 +109,7 @@ def _is_shorter(memory: Quantity, seconds: float) -> bool:
 def _merge_persistence(
     plain: Sequence[Mapping[str, float]], with_memory: Sequence[Mapping[str, float]]
 ) -> list[dict[str, float]]:
-    """Return the `plain` numbers, with persistence and memory from the fits with a memory."""
+    """Return the numbers of `plain` (fits without a memory), with persistence and memory replaced by `with_memory`."""
     names = "persistence_rate", "persistence_time", "turning_memory"
     return [
         {
