@@ -23,7 +23,7 @@ NUMBER_PATTERN = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-
 
 
 class Axis(NamedTuple):
-    """Values of a key, one after the other in the sweep."""
+    """Key that varies in a sweep, with its values in order."""
 
     key: str
     values: tuple[Any, ...]
@@ -42,6 +42,7 @@ class Sample(NamedTuple):
 
     spans: tuple[Span, ...]
     samples: int
+    """Number of points."""
     method: Method
     seed: int
 
@@ -159,7 +160,7 @@ def _split_list(text: str) -> list[str]:
 
 
 def _range_values(words: Sequence[str], source: str) -> list[float]:
-    """Return the values of a range from its three words FIRST, LAST and STEP, as int if all three are whole numbers."""
+    """Return the values of a range from its three texts FIRST, LAST and STEP, as int if all three are whole numbers."""
     first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
         sign = "positive" if first <= last else "negative"

@@ -38,7 +38,7 @@ class Cost(NamedTuple):
 def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
     """Estimate time and disk space of a sweep from a few points at even distances.
 
-    Invalid and stored points cost nothing. Return None for a small sweep, which takes little longer than an estimate.
+    Invalid and stored points cost nothing. Returns None for a small sweep, which takes little longer than an estimate.
     """
     points, run = sweep.space.point_count, sweep.scene.run
     costly = sweep.wanted is not None or (sweep.model != PREDICTION and run.accepted_error is not None)
@@ -50,7 +50,7 @@ def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
     stored = store.get([point_key(pilot) for pilot in pilots])
     costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
     total_s = run_time.wall_time(sum(costs) / count, points, workers)
-    simulated = round(points * sum(each > MIN_SIMULATION_S for each in costs) / count)
+    simulated = round(points * sum(cpu_s > MIN_SIMULATION_S for cpu_s in costs) / count)
     text = f"the surrogate has no speed for {simulated} of {points} points: they are simulated"
     note = text if predicted and simulated else ""
     return Cost(points, total_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points, note)

@@ -1,7 +1,7 @@
 """Figures of a sweep: lines for one key, a map for two, small multiples for three, or clouds.
 
-The shown quantity, usually the speed, is called the number. Every figure can be read without colours, and marks points
-without a number.
+A point's number is its value of the shown quantity, usually the speed. Every figure can be read without colours, and
+marks points without a number.
 """
 
 import math
@@ -36,9 +36,9 @@ STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 
 
 def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
-    """Draw the number of all points against the keys that vary, as lines, a map, small multiples or clouds.
+    """Draw the shown quantity of all points against the keys that vary, as lines, a map, small multiples or clouds.
 
-    At least one key must have two values. At least one point must have a number.
+    At least one key must have two values. At least one point must have a value of the quantity.
     """
     scales = [make_scale(key, columns.keys[key]) for key in keys]
     scales = [scale for scale in scales if len(scale.values) > 1]
@@ -56,18 +56,18 @@ def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
 
 def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
     """Draw one panel with lines or a map, for one or two keys. `ranked`: the same scales, that of the x axis first."""
-    with _make_sheet(title, 1) as (drawn, (axes,), _):
+    with _make_sheet(title, 1) as (figure, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
         if _has_lines(scales):
             draw.draw_lines(axes, columns, ranked[0], ranked[1] if ranked[1:] else None, rows)
             axes.set_ylabel(draw.value_label(columns))
-            _draw_legend(drawn, _line_handles(columns, ranked[1:]), ranked[1:])
+            _draw_legend(figure, _line_handles(columns, ranked[1:]), ranked[1:])
         else:
             norm = draw.make_norm(columns.value)
             draw.draw_map(axes, columns, scales[0], scales[1], rows, norm)
-            _draw_colour_bar(drawn, [axes], norm, columns)
-            _draw_legend(drawn, _mark_handles(columns, hatched=True))
-    return drawn
+            _draw_colour_bar(figure, [axes], norm, columns)
+            _draw_legend(figure, _mark_handles(columns, hatched=True))
+    return figure
 
 
 def _has_lines(scales: Sequence[Scale]) -> bool:
@@ -85,7 +85,7 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
     inside = np.isin(panel_scale.indices, shown)
     columns, panel_scale, *others = _select_rows(columns, inside, (panel_scale, *others))
     ranked = sorted(others, key=lambda scale: (scale.has_words, -len(scale.values)))
-    with _make_sheet(title, len(shown)) as (drawn, panels, in_row):
+    with _make_sheet(title, len(shown)) as (figure, panels, in_row):
         norm = draw.make_norm(columns.value)
         for index, (number, axes) in enumerate(zip(shown, panels, strict=True)):
             rows = panel_scale.indices == number
@@ -101,34 +101,34 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
             elif _has_lines(others):
                 axes.set_ylabel(draw.value_label(columns))
         if _has_lines(others):
-            _draw_legend(drawn, _line_handles(columns, ranked[1:]), ranked[1:])
+            _draw_legend(figure, _line_handles(columns, ranked[1:]), ranked[1:])
         else:
-            _draw_colour_bar(drawn, panels, norm, columns)
-            _draw_legend(drawn, _mark_handles(columns, hatched=True))
-    return drawn
+            _draw_colour_bar(figure, panels, norm, columns)
+            _draw_legend(figure, _mark_handles(columns, hatched=True))
+    return figure
 
 
 def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
-    """Draw points that form no grid: two keys with the number as colour, others with a panel for each key."""
+    """Draw points that form no grid: two keys in a plane with the quantity as colour, others with a panel a key."""
     if len(scales) == 2:
-        with _make_sheet(title, 1) as (drawn, (axes,), _):
+        with _make_sheet(title, 1) as (figure, (axes,), _):
             norm = draw.make_norm(columns.value)
             draw.draw_scatter(axes, columns, scales[0], scales[1], norm)
-            _draw_colour_bar(drawn, [axes], norm, columns)
-            _draw_legend(drawn, _mark_handles(columns))
-        return drawn
+            _draw_colour_bar(figure, [axes], norm, columns)
+            _draw_legend(figure, _mark_handles(columns))
+        return figure
     if left := len(scales) - MAX_PANELS:
         scales = scales[:MAX_PANELS]
         title += f"; {left} keys left out" if left > 0 else ""
     all_rows = np.ones(len(columns.value), dtype=bool)
-    with _make_sheet(title, len(scales)) as (drawn, panels, in_row):
+    with _make_sheet(title, len(scales)) as (figure, panels, in_row):
         for index, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
             draw.draw_dots(axes, columns, scale, all_rows, LINE_STYLES[0], joined=False)
             format_axis(axes, "x", scale)
             if index % in_row == 0:
                 axes.set_ylabel(draw.value_label(columns, draw.MAX_CLOUD_BARS))
-        _draw_legend(drawn, _mark_handles(columns))
-    return drawn
+        _draw_legend(figure, _mark_handles(columns))
+    return figure
 
 
 def _spread_numbers(count: int, max_count: int) -> list[int]:
@@ -158,19 +158,19 @@ def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], in
     width = COLUMN_INCHES if in_row < 3 else PAGE_INCHES
     rows = -(-count // in_row)  # rounded up
     panel_height = 2.4 if count == 1 else 1.75
-    drawn = Figure(figsize=(width, rows * panel_height + 0.3), layout="constrained", dpi=300)
-    grid = drawn.subplots(rows, in_row, squeeze=False, sharey=count > 1)
+    figure = Figure(figsize=(width, rows * panel_height + 0.3), layout="constrained", dpi=300)
+    grid = figure.subplots(rows, in_row, squeeze=False, sharey=count > 1)
     panels = list(grid.flat)
     for axes in panels[count:]:
         axes.remove()
-    drawn.suptitle(wrap_text(title, width - 0.1))
-    yield drawn, panels[:count], in_row
+    figure.suptitle(wrap_text(title, width - 0.1))
+    yield figure, panels[:count], in_row
 
 
-def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
-    """Draw one colour bar for all panels, limited to the range of the numbers."""
+def _draw_colour_bar(figure: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
+    """Draw one colour bar for all panels, limited to the range of the shown values."""
     mapped = matplotlib.cm.ScalarMappable(norm, draw.colour_map(norm))
-    bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
+    bar = figure.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
     if np.ptp(shown := columns.value[~columns.missing]):
         bar.ax.set_ylim(shown.min(), shown.max())
 
@@ -203,15 +203,15 @@ def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
     return handles
 
 
-def _draw_legend(drawn: Figure, handles: Sequence[Any], lines: Sequence[Scale] = ()) -> None:
-    """Add a legend below the panels, as wide as fits, and make the figure taller for it. `lines`: key of the lines."""
+def _draw_legend(figure: Figure, handles: Sequence[Any], lines: Sequence[Scale] = ()) -> None:
+    """Add a legend below the panels, as wide as fits, and make the figure taller. `lines`: scale of the lines."""
     title = format_key(lines[0].key).partition(" (")[0] if lines else None
     looks: Any = {"loc": "outside lower center", "frameon": False, "handlelength": 2.8, "title": title}
     for entries in range(len(handles), 0, -1):
-        legend = drawn.legend(handles=list(handles), ncols=entries, **looks)
-        inches = legend.get_window_extent().width / drawn.dpi
-        if inches <= drawn.get_figwidth() - 0.1 or entries == 1:
+        legend = figure.legend(handles=list(handles), ncols=entries, **looks)
+        inches = legend.get_window_extent().width / figure.dpi
+        if inches <= figure.get_figwidth() - 0.1 or entries == 1:
             rows = -(-len(handles) // entries) + bool(title)
-            drawn.set_figheight(drawn.get_figheight() + 0.16 * rows)  # inches a row
+            figure.set_figheight(figure.get_figheight() + 0.16 * rows)  # inches a row
             return
         legend.remove()

@@ -31,7 +31,7 @@ MAX_LOCAL_POINTS = 512
 
 
 def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepReport:
-    """Evaluate all points of a request and return the report. `expect`: receives a function that estimates the time."""
+    """Evaluate all points of a request and return the report. `expect` gets a function that estimates the time."""
     sweep = sweep_setup.read_points(request)
     folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
     in_process = not request.from_shell or (sweep.model == PREDICTION and sweep.space.point_count <= MAX_LOCAL_POINTS)
@@ -65,20 +65,20 @@ def make_sweep(
     """
     started = time.perf_counter()
     sweep.check()
-    drawn = request.pictures and sweep.space.point_count <= MAX_DRAWN_POINTS
+    pictures = request.pictures and sweep.space.point_count <= MAX_DRAWN_POINTS
     with Folder(path) as folder:
         folder.claim()
         if earlier := _load_finished(request, sweep, folder):
             return earlier
         warnings = _rename_changed_table(folder)
-        points = Points(sweep.space.keys, sweep.columns, sweep.main_number, request.keeps_rows or drawn)
+        points = Points(sweep.space.keys, sweep.columns, sweep.main_number, request.keeps_rows or pictures)
         folder.start_growing_file(table.TABLE_FILE)
         with Table(path / table.TABLE_FILE, sweep.space.keys, points.names) as rows:
             for values, done in _evaluate_points(sweep, store, pool, progress):
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
         result = report.make_report(sweep, points, warnings, request.wish)
-        _write_other_files(sweep, folder, result, drawn, time.perf_counter() - started)
+        _write_other_files(sweep, folder, result, pictures, time.perf_counter() - started)
     return report.add_files(result, path, list(folder.hashes))
 
 
@@ -173,14 +173,14 @@ def _free_path(path: Path) -> Path:
     return free
 
 
-def _write_other_files(sweep: SweepPoints, folder: Folder, result: SweepReport, drawn: bool, seconds: float) -> None:
-    """Write Parquet, pictures (if `drawn`) and the manifest of a finished table. `seconds`: time that it took."""
+def _write_other_files(sweep: SweepPoints, folder: Folder, result: SweepReport, pictures: bool, seconds: float) -> None:
+    """Write Parquet, pictures (if requested) and the manifest of a finished table. `seconds`: time that it took."""
     folder.add_grown_file(table.TABLE_FILE)
     numeric = {axis.key: all(map(is_number, axis.values)) for axis in sweep.space.axes}
     keys = {key: numeric.get(key, True) for key in sweep.space.keys}
     if (data := table.to_parquet(folder.path / table.TABLE_FILE, keys, sweep.columns)) is not None:
         folder.write("table.parquet", data)
-    if drawn:
+    if pictures:
         result.write_figures(folder)
     facts = {
         **_sweep_facts(sweep),

@@ -1,4 +1,4 @@
-"""Points of a sweep that are nearest to a desired speed."""
+"""Points of a sweep sorted by their distance from a desired speed."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -12,7 +12,7 @@ MAX_SHOWN = 5
 
 SPEED_COLUMN = "speed_mm_s"
 BOUND_COLUMNS = "low_95_mm_s", "high_95_mm_s"
-"""Columns of the bounds of 95 %."""
+"""Columns with the 95 % bounds of the speed."""
 
 
 def check_speed(names: Sequence[str]) -> None:
@@ -36,19 +36,19 @@ def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
 
     rows = sorted(table.rows, key=sort_key)
     usable = [row for row in rows if not any(sort_key(row)[:2])]
-    return replace(table, rows=rows, columns=_columns(table.keys, keys), read=usable[:MAX_SHOWN])
+    return replace(table, rows=rows, columns=_printed_columns(table.keys, keys), read=usable[:MAX_SHOWN])
 
 
-def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
+def _printed_columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
     """Return the printed columns: the varied `keys`, the speed and its bounds. `names`: names of the rows' values."""
-    columns = [_column(key, (names.index(key),), format_value) for key in keys]
-    columns.append(_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
+    columns = [_make_column(key, (names.index(key),), format_value) for key in keys]
+    columns.append(_make_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
     if BOUND_COLUMNS[0] in names:
-        columns.append(_column("95 %\n(mm/s)", [names.index(end) for end in BOUND_COLUMNS], _format_span))
+        columns.append(_make_column("95 %\n(mm/s)", [names.index(end) for end in BOUND_COLUMNS], _format_span))
     return columns
 
 
-def _column(heading: str, indices: Sequence[int], format_values: Callable[..., str]) -> Column:
+def _make_column(heading: str, indices: Sequence[int], format_values: Callable[..., str]) -> Column:
     """Return a column that formats the values at these indices of a row as one text."""
     return Column(heading, lambda row: format_values(*(row[index] for index in indices)), right=True)
 

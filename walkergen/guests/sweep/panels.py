@@ -1,7 +1,7 @@
 """Panels of the figures of a sweep: lines, a map or a cloud of points in given axes.
 
-The number is the shown quantity, usually the speed. Points without a number are crosses below the axis, or hatched
-cells. Points in doubt have open symbols.
+A point's number is its value of the shown quantity, usually the speed. Points without a number are crosses below the
+axis, or hatched cells. Points in doubt have open symbols.
 """
 
 from collections.abc import Mapping, Sequence
@@ -92,7 +92,7 @@ class Columns(NamedTuple):
 
 
 def make_norm(value: Array) -> Normalize:
-    """Return the colour scale for all numbers of a figure, centred on zero if clearly both signs occur."""
+    """Return the colour scale for all values in a figure, centred on zero if clearly both signs occur."""
     low, high = float(np.nanmin(value)), float(np.nanmax(value))
     if low < -MAX_SMALL_SHARE * high < 0.0:
         return CenteredNorm(0.0, max(-low, high))
@@ -167,21 +167,21 @@ def draw_dots(
         axes.errorbar(positions[bounded], value[bounded], lengths, **looks)
     doubtful = columns.doubtful[order]
     plain = np.flatnonzero(~doubtful & np.isfinite(value))
-    if crowded and joined:  # enough of them to tell the lines apart
+    if crowded and joined:  # about 12 markers are enough to distinguish the lines
         plain = plain[:: max(1, len(plain) // 12)]
     dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3}
     dots["rasterized"] = len(order) > MAX_CLOUD_BARS
     axes.plot(positions[plain], value[plain], **dots)
     axes.plot(positions[doubtful], value[doubtful], markerfacecolor="white", **dots)
     missing = positions[np.isnan(value)]
-    if len(missing):  # in one row between the axis and its numbers: on the axis they would read as speeds
+    if len(missing):  # in one row below the axis: on the axis they would look like values
         row = axes.get_xaxis_transform() + ScaledTranslation(0.0, -ROW_PT / 72.0, axes.figure.dpi_scale_trans)
         axes.plot(missing, np.zeros(len(missing)), "x", color="black", transform=row, clip_on=False)
         axes.tick_params(axis="x", pad=3.5 + ROW_PT)
 
 
 def value_label(columns: Columns, max_points: int | None = None) -> str:
-    """Return the label of the number's axis. It mentions bounds if points have any and are at most `max_points`."""
+    """Return the label of the shown quantity's axis. It mentions bounds if at most `max_points` points have them."""
     bounded = np.isfinite(columns.low).any() and (max_points is None or len(columns.low) <= max_points)
     return f"{columns.label}, bounds of 95 %" if bounded else columns.label
 
@@ -190,9 +190,9 @@ def value_label(columns: Columns, max_points: int | None = None) -> str:
 
 
 def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
-    """Draw a map of the number of the chosen points over two keys: a coloured cell for each point, and contours.
+    """Draw a map of the shown quantity over two keys: a coloured cell for each chosen point, and contours.
 
-    Contours need numeric keys and few missing numbers. `rows`: True for points to draw, shape (n,).
+    Contours need numeric keys and few missing values. `rows`: True for points to draw, shape (n,).
     """
     value = np.full((len(y.values), len(x.values)), np.nan)
     value[y.indices[rows], x.indices[rows]] = columns.value[rows]
@@ -233,7 +233,7 @@ def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize
     }
     lines = axes.contour(x.positions, y.positions, value, levels=levels, linewidths=0.8, **looks)
     segments = [np.concatenate(parts) for parts in lines.allsegs if len(parts)]
-    segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
+    segments = [segment for segment in segments if len(segment)]  # a level between unknown cells has none
     axes.clabel(lines, fmt="%g", fontsize=7, manual=_label_positions(axes, segments))
 
 

@@ -1,4 +1,4 @@
-"""Report of a sweep: a sentence with its result, its rows, and its figures."""
+"""Report of a sweep: a sentence with the result, the table of its points, and figures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -103,7 +103,7 @@ def make_report(
         title=title,
         tables=[shown],
         caption=format_answer(points),
-        lines=_count_lines(points),
+        lines=_format_counts(points),
         facts=facts,
         figures=_figure_functions(rows, keys, sweep.kind.pictures(sweep.keep)),
         keys=keys,
@@ -142,8 +142,8 @@ def format_answer(points: Points) -> str:
     return f"{answer}. {'Fastest' if name == 'speed' else f'Largest {name}'}: {number} at {values}"
 
 
-def _count_lines(points: Points) -> list[str]:
-    """Return the lines that count points in doubt, and points that were stored before."""
+def _format_counts(points: Points) -> list[str]:
+    """Return lines of text with the numbers of points in doubt, and of points that were stored before."""
     doubts = [
         f"{count} of {points.count} points: {name} (column status of the table)"
         for name, count in points.bad.items()
@@ -179,8 +179,8 @@ def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure
     unknown = np.full(len(rows), np.nan)
     low, high = (rows[end] if end in columns else unknown for end in (picture.low, picture.high))
     values = {key: columns[key] for key in keys}
-    drawn = Columns(values, rows[picture.value], low, high, columns[STATUS_KEY], picture.label)
-    best, name = int(np.nanargmax(drawn.value)), picture.name_and_unit[0]
+    shown = Columns(values, rows[picture.value], low, high, columns[STATUS_KEY], picture.label)
+    best, name = int(np.nanargmax(shown.value)), picture.name_and_unit[0]
     varied = [scale for scale in (scales.make_scale(key, values[key]) for key in keys) if len(scale.values) > 1]
     at = ", ".join(scales.format_value(scale, int(scale.indices[best]), scale.unit == "") for scale in varied)
-    return figures.draw_figure(drawn, keys, f"{name[:1].upper()}{name[1:]} of {rows.title}: highest at {at}")
+    return figures.draw_figure(shown, keys, f"{name[:1].upper()}{name[1:]} of {rows.title}: highest at {at}")

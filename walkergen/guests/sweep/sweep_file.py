@@ -23,7 +23,7 @@ Table = dict[str, Any]
 """Values by dotted keys of designs and scenes."""
 
 KEY_TABLES = (("set",), ("grid",), ("sample", "between"))
-"""Paths of such tables in a file."""
+"""Paths, in a file, of the tables of dotted keys."""
 
 BOUNDS_HINT = 'write two bounds, [2, 40] or "2:40"'
 
@@ -140,7 +140,7 @@ def read_sweep(path: Path) -> SweepFile:
 
 
 def _message_start(table: str, key: str, source: str, text: str) -> str:
-    """Return the beginning of a message on a key of a table: name and line of the file, and the key.
+    """Return the beginning of a message on a key of a table: the file's name, the line, and the key.
 
     `source` and `text`: name and contents of the file.
     """

@@ -40,12 +40,12 @@ class SweepPoints(NamedTuple):
 
     @property
     def kind(self) -> Kind:
-        """Functions of the points of this model."""
+        """Functions that evaluate, name and draw the points of this model."""
         return model_kinds.load_kind(model_kinds.kind_of(self.model))
 
     @property
     def main_number(self) -> Picture | None:
-        """Main quantity of the sweep: that of the first picture; None without pictures."""
+        """Main quantity of the sweep: the one in the first picture; None without pictures."""
         return next(iter(self.kind.pictures(self.keep)), None)
 
     @property
@@ -102,10 +102,10 @@ class SweepPoints(NamedTuple):
         source = "‹set›" if self.file is None else f"{self.file}: grid"
         try:
             change_keys(self.design, self.scene, {key: value}, source, self.data)
-        except GeometryError:  # of parts that cannot be built: with other values of other keys they may
+        except GeometryError:  # parts that cannot be built now, but perhaps with other values of other keys
             return
         except InputError as error:
-            # What follows the key in each key at fault: nothing, or a part of its value
+            # For each key at fault: the letter that follows `key` in it, "" if they are equal
             faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
             if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 if self.file is None:

@@ -1,4 +1,4 @@
-"""Points of a sweep, from a command line or from a file, checked."""
+"""Set-up of a sweep: its points are read from the command line or from a file, and checked."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path

@@ -49,7 +49,7 @@ class Table:
         data = text.encode()
         try:
             if os.write(self._file, data) != len(data):
-                raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
+                raise OSError(28, os.strerror(28))  # a full disk stores only a part of the data
         except OSError as error:
             raise self._write_error(error) from None
 
@@ -58,7 +58,7 @@ class Table:
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         try:
-            os.fsync(self._file)  # a full disk may only now say so
+            os.fsync(self._file)  # a full disk may report the error only now
         except OSError as error:
             if kind is None:
                 raise self._write_error(error) from None
