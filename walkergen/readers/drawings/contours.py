@@ -27,7 +27,7 @@ MIN_CHORDS, MAX_CHORDS = 4, 4096
 
 
 class NoUnitError(InputError):
-    """Drawing that does not state how long it is."""
+    """Error for a drawing that states no unit of length."""
 
 
 class Drawing(NamedTuple):

@@ -160,7 +160,7 @@ def _build_tree(shapes, leaves, scratch):
 
 @lean
 def _count_crossings(shapes, tree, scratch, tolerance):
-    """Return the number of crossing pairs and the first pair of triangles in the tree's order."""
+    """Return the number of crossing pairs, and both indices of the first pair in the tree's order; -1 without one."""
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
     for leaf in range(leaves, leaves + (total + LEAF_SIZE - 1) // LEAF_SIZE):
@@ -241,7 +241,7 @@ def _has_disjoint_directions(scratch, tree, node):
 
 @lean
 def _is_disjoint(low, high, one, lows, highs, other):
-    """Return whether box `one` of (low, high) and box `other` of (lows, highs), one box a row, do not meet."""
+    """Return whether two boxes do not meet: row `one` of `low` and `high`, and row `other` of `lows` and `highs`."""
     return (
         low[one, 0] > highs[other, 0]
         or high[one, 0] < lows[other, 0]

@@ -117,7 +117,7 @@ def pack(polygons: Sequence[Array]) -> bytes:
 
 @contextmanager
 def _fixed_metadata() -> Iterator[None]:
-    """Make ezdxf write fixed dates and identifiers, with a switch of the whole process."""
+    """Make ezdxf write fixed dates and identifiers within the context, by a global option of ezdxf."""
     import ezdxf
 
     options = ezdxf.options
@@ -303,7 +303,7 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
             lines.append(_normalize_ellipse(entity) if kind == "ELLIPSE" else entity)
         elif kind in NOTED_ANNOTATIONS:
             omissions[kind] += 1
-    counts = [f"{count} {what}" for what, count in sorted(omissions.items()) if count]
+    counts = [f"{count} {reason}" for reason, count in sorted(omissions.items()) if count]
     return lines, [f"left out {', '.join(counts)}"] if counts else []
 
 
@@ -335,7 +335,7 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
 
 
 def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Join open curves to closed contours. Return all contours, and notes on closed gaps. `size`: the longer side."""
+    """Join open curves to closed contours. Return all contours, and notes on closed gaps. `size`: the drawing's."""
     gap, contours, open_curves = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():

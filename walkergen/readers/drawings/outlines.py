@@ -49,7 +49,7 @@ class OverlapError(GeometryError):
 
 
 def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
-    """Return the outline of a disc of this diameter, mm, as `ellipse` does. Raises GeometryError."""
+    """Return the outline of a disc of this diameter, mm: see `ellipse`. Raises GeometryError."""
     return ellipse(diameter, diameter, source)
 
 

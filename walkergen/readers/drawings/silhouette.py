@@ -43,9 +43,9 @@ class Silhouette(NamedTuple):
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Return the contours of a picture's shape, in mm, y up. `scale_mm`: mm per pixel after its reduction.
+    """Return the contours of a picture's shape, mm, y up. `scale_mm`: mm per pixel of the reduced picture.
 
-    Pictures with more than MAX_SIDE_PIXELS along a side are reduced to that. Raises InputError, which begins with
+    Pictures with more than MAX_SIDE_PIXELS along a side are reduced to this size. Raises InputError, which begins with
     `source`, for a file that is no picture or shows no shape, and NoUnitError without a scale.
     """
     if scale_mm is None:
@@ -56,7 +56,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def trace(path: Path, source: str) -> Silhouette:
-    """Return the shape in a picture. Raises InputError, which begins with `source`."""
+    """Find the shape that differs from a picture's background. Raises InputError, which begins with `source`."""
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, "picture"):
         image, quantity = _brightness(data, source)

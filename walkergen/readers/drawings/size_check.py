@@ -1,4 +1,4 @@
-"""Units that a file may be drawn in: suggested for a body that does not have a walker's size."""
+"""Check of a body's size: if it is not that of a walker, other units of its file are suggested."""
 
 from collections.abc import Iterator
 from functools import partial

@@ -194,13 +194,13 @@ def _choose_paper(
     sheet, others = visible[0].fill, visible[1:]
     opaque = [shape for shape in others if not shape.layers]
     colours = [colour for shape in opaque for colour in (shape.fill, shape.line.colour if shape.line else shape.fill)]
-    has_third = any(one.alpha == 1.0 and one.differs(WHITE) and one.differs(sheet) for one in colours)
+    has_third = any(paint.alpha == 1.0 and paint.differs(WHITE) and paint.differs(sheet) for paint in colours)
     low, high = _bounding_box(others) - np.array(page[:2])
     margin = (1.0 - MIN_PAGE_SHARE) * np.array(page[2:])
     is_apart = bool((low > margin).all() and (high < np.array(page[2:]) - margin).all())
     if covers[0] and sheet.alpha == 1.0 and has_third and is_apart:
         return others, sheet, (*notes, "took a coloured rectangle as large as the page for paper")
-    if any(one.differs(sheet) for one in colours):
+    if any(paint.differs(sheet) for paint in colours):
         notes += ("took a rectangle as large as the page for a body, and what is white in it for holes",)
     return visible, WHITE, notes
 
@@ -253,7 +253,7 @@ def _parse_xml(data: bytes, source: str) -> ET.Element:
 
 
 def _page_box(root: ET.Element, source: str) -> tuple[float, float, float, float]:
-    """Return left, top, width and height of the page in the drawing's units, infinite without a page."""
+    """Return left, top, width and height of the page in the drawing's units; infinite sides if unknown."""
     from walkergen.readers.drawings.svg_lengths import PIXELS_PER_UNIT
     from walkergen.readers.drawings.svg_matrices import parse_view_box
 
@@ -306,11 +306,11 @@ def _length_mm(text: str) -> float | None:
 def _bounding_box(visible: "Sequence[VisibleShape]") -> Array:
     """Return the lower and upper corner of the drawing's contents, in its units, shape (2, 2)."""
     corners = [np.zeros((0, 2))]
-    for one in visible:
-        if (bounds := one.path.bbox()) is not None:
+    for shape in visible:
+        if (bounds := shape.path.bbox()) is not None:
             x0, y0, x1, y1 = bounds
             box_corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
-            corners.append(box_corners @ one.matrix[:, :2].T + one.matrix[:, 2])
+            corners.append(box_corners @ shape.matrix[:, :2].T + shape.matrix[:, 2])
     points = np.vstack(corners)
     return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) else np.zeros((2, 2))
 

@@ -48,7 +48,7 @@ class Line(NamedTuple):
 
 
 class Layer(NamedTuple):
-    """Element that is drawn apart and then put, as a whole, over what is below it."""
+    """Element that is drawn separately and then laid, as a whole, over the elements below."""
 
     number: int
     opacity: float
@@ -106,8 +106,8 @@ class Tree:
 
     def __init__(self, root: ET.Element, source: str) -> None:
         self.root, self.source = root, source
-        # of two with one id browsers take the first
-        self.targets = {one.attrib["id"]: one for one in reversed([*root.iter()]) if "id" in one.attrib}
+        # of two elements with the same id browsers take the first
+        self.targets = {node.attrib["id"]: node for node in reversed([*root.iter()]) if "id" in node.attrib}
         self.count = self.unseen = self.filtered = 0
         self.rem = DEFAULT_FONT_SIZE
 

@@ -33,7 +33,7 @@ class Colour(NamedTuple):
     alpha: float
 
     def faded(self, opacity: float) -> "Colour":
-        """Return the colour at this opacity."""
+        """Return the colour with its alpha multiplied by an opacity from 0 to 1."""
         return self._replace(alpha=self.alpha * opacity)
 
     def over(self, below: "Colour") -> "Colour":
@@ -49,7 +49,7 @@ class Colour(NamedTuple):
 
     @property
     def luminance(self) -> float:
-        """Return how light the colour is, from 0 to 1, as masks weigh it."""
+        """Luminance of the colour, 0 to 1, with the weights of SVG masks."""
         return 0.2125 * self.red + 0.7154 * self.green + 0.0721 * self.blue
 
     def differs(self, paper: "Colour") -> bool:
@@ -74,7 +74,7 @@ def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Colour:
 
 
 def _parse_colour(text: str, current: str) -> Colour:
-    """Return the paint of a colour's text. "currentColor" means the colour `current`."""
+    """Return the colour that a CSS text states; black for an unknown one. "currentColor" means the text `current`."""
     if text.lower() == "none":
         return CLEAR
     colour = tinycss2.color4.parse_color(current if text.lower() == "currentcolor" else text)

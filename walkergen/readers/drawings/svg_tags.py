@@ -28,7 +28,7 @@ def element_name(element: ET.Element) -> str:
 def is_switch_choice(element: ET.Element) -> bool:
     """Return whether a <switch> may show an element: it requires no program, and no language but English."""
     languages = element.attrib.get("systemLanguage", "en").lower().split(",")
-    return "requiredExtensions" not in element.attrib and any(re.match("en(-|$)", each.strip()) for each in languages)
+    return "requiredExtensions" not in element.attrib and any(re.match("en(-|$)", name.strip()) for name in languages)
 
 
 def check_static(root: ET.Element, source: str) -> None:

@@ -160,7 +160,7 @@ def _read_element(take: Take, count: int, properties: Sequence[_Property]) -> di
 
 
 def _text_values(words: Sequence[bytes]) -> Take:
-    """Return a function that takes the next values from the words of a PLY file's text."""
+    """Return a function that returns the next values from the words of a text PLY file."""
     place = 0
 
     def take(types: str, count: int) -> Sequence[float]:
@@ -176,7 +176,7 @@ def _text_values(words: Sequence[bytes]) -> Take:
 
 
 def _binary_values(form: bytes, data: bytes) -> Take:
-    """Return a function that takes the next values from the bytes of a PLY file of this format."""
+    """Return a function that returns the next values from the bytes of a PLY file in this binary format."""
     order = {b"binary_little_endian": "<", b"binary_big_endian": ">"}[form]
     place = 0
 

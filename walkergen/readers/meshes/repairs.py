@@ -84,7 +84,7 @@ def merge_rim_vertices(mesh: Mesh, max_distance: float) -> tuple[Mesh, int]:
 
 
 def _drop_duplicates(mesh: Mesh) -> tuple[Mesh, str]:
-    """Drop triangles without area. Keep one of equal triangles, and none of two back to back."""
+    """Drop triangles without area and repeated ones. Of two equal triangles that are back to back, drop both."""
     triangles = mesh.triangles
     real = ~(triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     triangles = triangles[real]

@@ -1,4 +1,4 @@
-"""Shapes of bodies from their keys. Files of bodies are read, mended and checked, once each."""
+"""Shapes of bodies from the keys of their table [body]. Each file is read, mended and checked once."""
 
 import hashlib
 from collections.abc import Sequence
@@ -52,7 +52,7 @@ def shape_of(body: Body) -> Shape:
 
 @lru_cache(maxsize=64)
 def shape_by_key(keys: str) -> Shape:
-    """Return the shape of a body that is no rectangle. `keys` is its JSON. Raises GeometryError or InputError."""
+    """Return the shape of a body that is no rectangle. `keys`: the body as JSON. Raises GeometryError or InputError."""
     body = Body.model_validate_json(keys)
     if body.mesh is not None:
         return _mesh_shape(body)

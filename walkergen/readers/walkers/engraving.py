@@ -14,7 +14,7 @@ from walkergen.readers.walkers import marks
 
 
 def add_notches(design: Design, corners: Polygon) -> Polygon:
-    """Return a rectangle with the design's notches in its upper edge. `corners`: from the lower left, to the right."""
+    """Return a rectangle with notches in its upper edge. `corners`: from the lower left counter-clockwise."""
     length, thickness = design.size.length, design.size.thickness
     y = 0.5 * thickness
     edge = [
@@ -67,7 +67,7 @@ def _text_polygons(design: Design, length: float, height: float) -> list[Polygon
 
 
 def _format_mark(design: Design) -> str:
-    """Return the key of the engraved letters, with the whole engraved text."""
+    """Return the key and value of the engraved letters, for messages, such as marks.text = 'A1'."""
     return f"{_mark_key(design)} = {design.letters!r}"
 
 

@@ -63,7 +63,7 @@ class CutWalker(NamedTuple):
     """Walker before the cut."""
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
-        """Return the legs as limbs of a design. `kind`: of all legs. `depth`: of the body, mm. Raises GeometryError."""
+        """Return the legs as limbs of a design, all of this kind. `depth`: of the body, mm. Raises GeometryError."""
         return tuple(_to_limb(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
 
 

@@ -207,7 +207,7 @@ def _can_stand(body: Body, legs: Legs) -> bool:
 
 @lru_cache(maxsize=16)
 def _footprint_and_centre(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
-    """Return a body's area seen from above (along, across) and centre of mass (along, up, across) from its middle."""
+    """Return a body's area from above (along, across), and centre of mass (along, up, across), mm from its middle."""
     import shapely
 
     shape = shape_of(Body.model_validate_json(body_key))
