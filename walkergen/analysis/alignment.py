@@ -27,7 +27,7 @@ ALIKE_REASON = "headings hardly differ against the slope: let walkers start at o
 
 
 def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: float | None) -> dict[str, Quantity]:
-    """Estimate `self_alignment` (1/mm) and `slope_turning` (rad/s); a number that is not resolved has a reason.
+    """Estimate `self_alignment` (1/mm) and `slope_turning` (rad/s), by name; unresolved ones are refused with a reason.
 
     `groups`: the tracks of each independent sample. `interval`: time between positions of a track, s. `descent`:
     direction in which the plate descends, rad; None if it is level.

@@ -125,7 +125,7 @@ class Settings(NamedTuple):
 
     @property
     def decayed(self) -> float:
-        """Share of the direction that must be lost at the longest lag."""
+        """Share of the direction that must be lost at the longest lag, for its rate to be reported."""
         return MIN_DECAY_WALLS if self.walls else MIN_DECAY
 
     @property
@@ -169,6 +169,7 @@ def evaluate(sums: Moments, settings: Settings) -> dict[str, float]:
 
 
 def _ratio_or_nan(sum_and_count: Array) -> float:
+    """Return a sum divided by its number of terms; NaN without terms."""
     return float(sum_and_count[0] / sum_and_count[1]) if sum_and_count[1] > 0 else math.nan
 
 

@@ -1,4 +1,4 @@
-"""Facts of a motion: all results by keys that carry their unit, as JSON holds them."""
+"""Results of the analysis of motion as JSON: numbers by keys that carry their unit."""
 
 import math
 from collections.abc import Sequence
@@ -98,7 +98,7 @@ def _estimate_facts(name: str, estimate: Quantity) -> dict[str, float | None]:
 
 
 def _null_reasons(estimate: Quantity) -> dict[str, str]:
-    """Return why a value or its bounds are null, by the key of each; {} if none is."""
+    """Return the reasons why a value or its bounds are null in JSON, by their keys; {} if none is."""
     if estimate.refused:
         return {estimate.column: estimate.refused}
     if estimate.interval() is not None:
@@ -131,7 +131,7 @@ def curve_points(arrays: Sequence[Array]) -> list[tuple[float | None, ...]]:
 
 
 def scale_se(number: Quantity, motion: Motion) -> float | None:
-    """Return the error of a number that the film's scale causes; 0 for a number without a length.
+    """Return the part of a number's error that is due to the film's scale; 0 for a number without a length.
 
     To first order: a length to a power has so many times the scale's relative error. None if the value or the scale's
     error is unknown.
@@ -143,7 +143,7 @@ def scale_se(number: Quantity, motion: Motion) -> float | None:
 
 
 def scale_errors(motion: Motion) -> Array:
-    """Return the errors of the mean squared displacement that the film's scale causes, mm^2; NaN if unknown."""
+    """Return the part of the errors of the mean squared displacement due to the film's scale, mm^2; NaN if unknown."""
     share = math.nan if motion.scale_se is None else motion.scale_se
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
 

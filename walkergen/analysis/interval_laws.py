@@ -1,4 +1,4 @@
-"""Laws of the bounds of numbers over tracks: errors over walkers that differ, numbers that go as a variance.
+"""Bounds of numbers over tracks: for walkers that differ, and for numbers that scatter as a variance.
 
 A number whose error is that of a jackknife has Student's bounds, unless one of these laws holds.
 """

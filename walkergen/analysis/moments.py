@@ -278,4 +278,5 @@ def _power_sums(values: Array) -> Array:
 
 
 def _histogram(values: Array, edges: Array) -> Array:
+    """Return the number of values in each bin; empty without edges."""
     return np.histogram(values, edges)[0].astype(float) if len(edges) else np.zeros(0)

@@ -310,7 +310,7 @@ def _resting_walkers(tracks: Tracks) -> dict[int, WalkerMeans]:
 
 
 def _rest_doubts(resting: Mapping[int, WalkerMeans], count: int) -> list[str]:
-    """Return the note on walkers that rest; [] without any."""
+    """Return the note on walkers that rest, in a list; [] without any."""
     numbers = ", ".join(map(str, list(resting)[:MAX_NAMED]))
     return [f"{len(resting)} of {count} walkers {REST_WORDS}: {numbers}"] if resting else []
 
@@ -449,7 +449,7 @@ def _mean_speed_from_rms(estimates: Mapping[str, Quantity], scatter: Quantity) -
 
 
 def _misfit_doubts(fit: DisplacementFit | None) -> list[str]:
-    """Return the doubt that the squared displacement follows another law than the fit's; [] without such a doubt."""
+    """Return the doubt, in a list, that the squared displacement follows another law than the fit's; else []."""
     if fit is None or not fit.p_value < MISFIT_P_VALUE:
         return []
     return [
@@ -459,7 +459,7 @@ def _misfit_doubts(fit: DisplacementFit | None) -> list[str]:
 
 
 def _scatter_doubts(estimates: Mapping[str, Quantity], descent: float | None) -> list[str]:
-    """Return the doubt about numbers of walkers on a slope, or of walkers that turn unequally."""
+    """Return the doubt, in a list, about numbers of walkers on a slope, or of walkers that turn unequally; else []."""
     if descent is not None:
         return ["a slope turns and drives walkers: persistence, diffusivity and crossover are those on it"]
     if estimates["turning_scatter"].value is None:

@@ -260,7 +260,7 @@ def compare(all_walkers: Sequence[WalkerMeans]) -> WalkerComparison | None:
 
 
 def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
-    """Return means whose speeds' errors include the relative error of `shortened`, common to all walkers."""
+    """Return means whose speeds' errors include the relative error of the factor `shortened`, common to all walkers."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
         name: mean._replace(se=math.hypot(mean.se, relative * mean.value))

@@ -59,7 +59,7 @@ class Spread(NamedTuple):
 
     @property
     def mean_square(self) -> float:
-        """Mean square of the speed, mm^2/s^2."""
+        """Mean square of the speed, mm^2/s^2. Inertia lowers it below `speed2`."""
         return self.speed2 + self.smooth2
 
     @property

@@ -60,7 +60,7 @@ def read_deeplabcut(path: Path) -> Source:
     parts, coords = rows["bodyparts"][first:], rows["coords"][first:]
     individuals = rows["individuals"][first:] if "individuals" in rows else [""] * len(parts)
     if not len(parts) == len(coords) == len(individuals):
-        counts = (len(each) + first for each in (parts, coords, individuals))
+        counts = (len(names) + first for names in (parts, coords, individuals))
         raise InputError("{}: its lines of names have {}, {} and {} cells. Make them equal.".format(path, *counts))
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
@@ -91,7 +91,7 @@ def from_bodies(
     program: str,
     notes: tuple[str, ...] = (),
 ) -> Source:
-    """Return one row for each body (named or "") in each frame, from its parts by name.
+    """Return one row for each body in each frame. `bodies`: parts by name, by the name of the body ("" without one).
 
     `clock` is the column (frame or time) of `times`; `named` has names and units of columns.
     """

@@ -138,9 +138,9 @@ def _ends(values: Array) -> tuple[Array, Array]:
 
 
 def _count_passes(paths: _Paths, is_round: bool) -> tuple[Whole, list[Array], Array]:
-    """Return passes of each edge, shape (edges, motions), diameters or both sides (mm), and shares of the paths near.
+    """Return passes at each edge, shape (edges, motions), diameters or sides, mm, and shares of path length near edges.
 
-    The shares are those of the lengths of the paths that are near an edge.
+    Diameters (a disc), both sides (a rectangle) and shares have an entry for each motion.
     """
     depths, sizes = [], []
     if is_round:

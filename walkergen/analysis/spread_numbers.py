@@ -19,7 +19,7 @@ from walkergen.core.numerics import Array
 def add_fit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], settings: Settings, longest_lag: int
 ) -> tuple[list[dict[str, float]], DisplacementFit | None]:
-    """Fit the squared displacement up to a lag (samples). Return `numbers` with the fit's added, and the fit."""
+    """Fit the squared displacement up to a lag (samples). Return extended `numbers`, and the fit or None."""
     if settings.lane:
         return numbers, None
     lag, squares = _mean_squares(sums, settings, int((settings.grid.square_lags <= longest_lag).sum()))

@@ -114,6 +114,7 @@ def blank_infinite(line: str) -> str:
 
 
 def _is_npz(path: Path) -> bool:
+    """Return whether a file is an archive of NumPy arrays."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = archive.namelist()
@@ -123,7 +124,7 @@ def _is_npz(path: Path) -> bool:
 
 
 def _read_netcdf(path: Path) -> ArrayFile:
-    """Read a file of NetCDF 3. It stores text as letters along a separate dimension."""
+    """Return the arrays of a NetCDF 3 file, which stores text as letters along a separate dimension."""
     from scipy.io import netcdf_file
 
     file = netcdf_file(io.BytesIO(file_reading.read_bytes(path)), mmap=False)
@@ -196,7 +197,7 @@ def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
 
 
 def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
-    """Return the names of the dimensions of a data set: NetCDF's scales, or the text of sleap-io."""
+    """Return the names of a data set's dimensions, from NetCDF's dimension scales or the attribute of sleap-io."""
     if "DIMENSION_LIST" in data.attrs:  # h5py's own walk along the scales does not end in a damaged file
         return tuple(file[scales[0]].name.rpartition("/")[2] for scales in data.attrs["DIMENSION_LIST"])
     return tuple(json.loads(data.attrs.get("dims", "[]")))

@@ -1,4 +1,4 @@
-"""Columns of tracks by their contents: names that programs and people give them, and units in these names."""
+"""Columns of tables of tracks, recognized by the names that programs and people use, with the units in them."""
 
 import math
 import re
@@ -167,6 +167,7 @@ def clock_to_seconds(line: str) -> str:
 
 
 def _to_seconds(clock: re.Match[str]) -> str:
+    """Return the seconds of a time of day, matched by CLOCK_PATTERN, as text; with a date, from the year 1 on."""
     days = date.fromisoformat(clock[1]).toordinal() if clock[1] else 0
     return f"{((24 * days + int(clock[2] or 0)) * 60 + int(clock[3])) * 60 + float(clock[4]):.9f}"
 
@@ -178,14 +179,14 @@ def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
     """
     candidates: dict[str, list[tuple[int, NamedColumn]]] = {}
     for name in names:
-        for what, rank, unit in _possible_kinds(name):
-            candidates.setdefault(what, []).append((rank, NamedColumn(name, unit)))
+        for kind, rank, unit in _possible_kinds(name):
+            candidates.setdefault(kind, []).append((rank, NamedColumn(name, unit)))
     if len(candidates.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
         raise InputError("both theta (rad) and theta_deg; keep one")
     # Of names of equal rank take the one that states a unit other than pixels
     return {
-        what: min(found, key=lambda ranked: (ranked[0], ranked[1].unit in ("", PIXEL)))[1]
-        for what, found in candidates.items()
+        kind: min(found, key=lambda ranked: (ranked[0], ranked[1].unit in ("", PIXEL)))[1]
+        for kind, found in candidates.items()
     }
 
 

@@ -130,7 +130,7 @@ def _read_with_lost_frames(path: Path, units: Units) -> Tracks:
         return _read_walkergen(path, source, units, given)
     _check_same_units(path, source, given)
     clock, has_times, notes = _choose_clock(path, source, units, given)
-    length, lengths = _length_unit(path, source, units, given)
+    length, lengths = _mm_per_unit(path, source, units, given)
     values = dict(source.table.values)
     y_sign = -1.0 if source.y_down or units.y_down else 1.0
     values["x"] = length * values["x"]
@@ -140,7 +140,7 @@ def _read_with_lost_frames(path: Path, units: Units) -> Tracks:
         values["y"] = y_sign * length * values["y"]
         notes += (_describe_y_axis(source, units),)
         if "theta" in values:
-            angle, angles = _angle_unit(path, source, given)
+            angle, angles = _rad_per_unit(path, source, given)
             values["theta"] = (1.0 if source.mirrored else y_sign) * angle * values["theta"]
             notes += (angles,)
     table = source.table._replace(values=values)
@@ -198,12 +198,12 @@ def _check_no_units(path: Path, source: Source, units: Units, given: _Given, col
 
 def _check_same_units(path: Path, source: Source, given: _Given) -> None:
     """Raise InputError for given units that contradict those in the names of columns."""
-    for what, unit, known in (
+    for kind, unit, known in (
         ("x", given.length, LENGTH_UNITS_MM),
         ("time", given.time, TIME_UNITS_S),
         ("theta", given.angle, ANGLE_UNITS_RAD),
     ):
-        named = source.named.get(what)
+        named = source.named.get(kind)
         if named and unit in known and named.unit in known and unit != named.unit:
             raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}; leave out ‹unit›")
 
@@ -260,7 +260,7 @@ def _check_range(field: str, value: float) -> float:
     return value
 
 
-def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
+def _mm_per_unit(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
     """Return the millimetres of a unit of the positions, and a note on the unit. Raises InputError if it is unknown."""
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
@@ -286,7 +286,7 @@ def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
     )
 
 
-def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
+def _rad_per_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
     """Return the radians of a unit of the headings, and a note on the unit. Raises InputError if it is unknown."""
     named = source.named.get("theta")
     unit = given.angle or (named.unit if named else "rad")

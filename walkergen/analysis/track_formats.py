@@ -234,7 +234,7 @@ def _from_pairs(
     path: Path, by_kind: Mapping[str, NamedColumn], pairs: Mapping[str, tuple[str, str]], titled: bool
 ) -> Source:
     """Read a table with one row a frame, and `pairs` of columns x and y by the label of each walker."""
-    clock = next((what for what in ("frame", "time") if what in by_kind), "")
+    clock = next((kind for kind in ("frame", "time") if kind in by_kind), "")
     names = [name for pair in pairs.values() for name in pair]
     table = columns.read_numbers(path, [by_kind[clock].name] if clock else (), names, lines=_table_lines(path, titled))
     times = table.values[by_kind[clock].name] if clock else (table.lines - table.lines.min()).astype(float)

@@ -160,7 +160,7 @@ def attach_errors(
 
 
 def _bound_reason(number: Quantity, unit: str, scale: float = 1.0, root: bool = False) -> str:
-    """Return a text with the upper bound (95 %) of a number (of its square root if `root`) times `scale`, or ''."""
+    """Return the upper bound (95 %) of a number (or its square `root`) times `scale` as text; '' if infinite."""
     value, se = number.pair
     most = max(value, 0.0) + 2.0 * se
     bound = scale * (math.sqrt(most) if root else most)
