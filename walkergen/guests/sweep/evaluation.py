@@ -1,4 +1,4 @@
-"""Evaluation of many points in order: known records come from the store, others from a pool of processes.
+"""Evaluation of many points in order: stored records come from the store, others from a pool of processes.
 
 The pool evaluates tasks of one or several points. A slot is a point's position in the order, filled by its task.
 """

@@ -120,7 +120,7 @@ def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) ->
 
 
 def _sweep_hash(sweep: SweepPoints) -> str:
-    """Compute the hash of all inputs of a sweep's table."""
+    """Return the hash of all inputs of a sweep's table, as 64 hexadecimal digits."""
     text = json.dumps(_sweep_facts(sweep) | {"sources": digest()}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 

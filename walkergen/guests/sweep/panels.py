@@ -80,13 +80,13 @@ class Columns(NamedTuple):
 
     @property
     def missing(self) -> Mask:
-        """True for points that have no number, shape (n,)."""
+        """True for points without the shown quantity, shape (n,)."""
         missing: Mask = np.isnan(self.value)
         return missing
 
     @property
     def doubtful(self) -> Mask:
-        """True for points that have a number, but a status other than "ok", shape (n,)."""
+        """True for points with the shown quantity, but a status other than "ok", shape (n,)."""
         doubtful: Mask = np.array([status != PointStatus.OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
 

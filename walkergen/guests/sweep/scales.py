@@ -50,7 +50,7 @@ class Scale(NamedTuple):
 
 
 def make_scale(key: str, values: Sequence[Any]) -> Scale:
-    """Return the scale of a key from its values in all rows. If one is no number, all count as words."""
+    """Return the scale of a key from its values in all rows. If any is not a number, all are words."""
     words = not all(is_number(value) for value in values)
     entries = [_to_word(value) if words else value for value in values]
     distinct = list(dict.fromkeys(entries)) if words else sorted(set(entries))
