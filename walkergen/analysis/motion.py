@@ -16,6 +16,7 @@ import numpy as np
 
 from walkergen.analysis import (
     alignment,
+    free_turning,
     interval_laws,
     lag_sums,
     moments,
@@ -252,6 +253,8 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         estimates["rotational_diffusion"] = turning.diffusion(turnings, noise2, lasting)
     if headed and not tracks.lane:
         estimates |= aligned
+    if found_walls is not None:
+        estimates |= free_turning.persistence(tracks.tracks, settings, estimates["speed"])
     correlation = _jackknife_curve(grid.turn_lags, [np.abs(values) for values in turn], length)
     compared = comparison.means if comparison else _speed_means(means_of_walkers, None, settings) if in_pieces else {}
     fewer = dict.fromkeys(UNITS, count - len(resting)) | dict.fromkeys(

@@ -46,8 +46,8 @@ class Walls(NamedTuple):
     """Dish with given walls; None if the tracks prove them, and their hull gives the distances."""
     middle: Array
     """Middle of the hull, mm."""
-    closest: float
-    """Distance between a given dish's wall and the outermost places, mm: a walker is no point."""
+    slack: Array
+    """Lengths along x and y by which a given dish exceeds the places, mm: its middle is known so well."""
     speed: float
     """Speed that walkers may reach walls with, mm/s."""
     contacts: Quantity
@@ -81,7 +81,7 @@ class Walls(NamedTuple):
     def distance(self, places: Array) -> Array:
         """Return the distance of places, shape (n, 2), from the nearest wall, mm; below 0 beyond it."""
         if self.dish is not None:
-            return _dish_distance(self.dish, places - self.middle) - self.closest
+            return _dish_distance(self.dish, places - self.middle, self.slack)
         depths = [offset - places @ normal for normal, offset in ((edge[:2], float(edge[2])) for edge in self.edges)]
         return np.asarray(np.min(depths, axis=0))
 
@@ -103,13 +103,13 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
         return None
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
     speed = float(np.quantile(lengths, SPEED_QUANTILE)) / (step * tracks.interval)
-    closest = 0.0 if dish is None else float(np.quantile(_dish_distance(dish, places - middle), 1.0 - SPEED_QUANTILE))
     extent = (float(np.ptp(places[:, 0])), float(np.ptp(places[:, 1])))
     shared = None
     if dish is None and (shared := shared_edges.find(tracks.tracks)) is None:
         return None
     none = Quantity("wall_contacts", "per_s", None)
-    walls = Walls(_convex_hull(places), dish, middle, closest, speed, none, 0.0, extent, shared)
+    slack = np.zeros(2) if dish is None else np.maximum(np.array(dish.box) - extent, 0.0)
+    walls = Walls(_convex_hull(places), dish, middle, slack, speed, none, 0.0, extent, shared)
     depths = [walls.distance(track.position) for track in tracks.tracks]
     size = max(float(np.median(lengths)), MIN_DEPTH_SHARE * width)
     contacts = sum(_count_visits(depth, TOUCHING_DEPTH * size, AWAY_DEPTH * size) for depth in depths)
@@ -160,10 +160,15 @@ def _convex_hull(places: Array) -> Array:
     return np.asarray(hull.equations * (1.0, 1.0, -1.0))
 
 
-def _dish_distance(dish: Dish, places: Array) -> Array:
-    """Return the distance of places, relative to the middle of a dish, from its nearest wall, mm."""
+def _dish_distance(dish: Dish, places: Array, slack: Array) -> Array:
+    """Return the least distance (mm) of places, relative to the middle of theirs, from a wall of a dish.
+
+    The dish exceeds the places by `slack` along x and y, mm, because a walker is no point or was not everywhere.
+    """
     if dish.kind == "rectangle":
-        return np.asarray(np.min(0.5 * np.array(dish.sizes) - np.abs(places), axis=1))
-    radius = np.hypot(*places.T)
+        return np.asarray(np.min(0.5 * (np.array(dish.sizes) - slack) - np.abs(places), axis=1))
+    radius = np.hypot(*places.T) + 0.5 * math.hypot(*slack)
     outer = 0.5 * dish.sizes[0] - radius
-    return np.asarray(np.minimum(outer, radius - 0.5 * dish.sizes[1]) if dish.kind == "ring" else outer)
+    return np.asarray(
+        np.minimum(outer, radius - math.hypot(*slack) - 0.5 * dish.sizes[1]) if dish.kind == "ring" else outer
+    )
