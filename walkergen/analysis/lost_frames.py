@@ -55,15 +55,14 @@ def _without(track: Track, lost: Mask) -> Track:
 
 def _lost_place(tracks: Sequence[Track]) -> Array | None:
     """Return the exact place that walkers jump to and from: (0, 0), or another with MIN_RETURNS; None without one."""
-    places = np.concatenate([track.position for track in tracks])
-    if places.shape[1] < 2:
+    if tracks[0].position.shape[1] < 2:
         return None
-    unique, counts = np.unique(places[~np.isnan(places).any(axis=1)], axis=0, return_counts=True)
-    frequent = unique[counts >= MIN_RETURNS][np.argsort(-counts[counts >= MIN_RETURNS])[:1]]
-    for place, least in ((np.zeros(2), 1), *((each, MIN_RETURNS) for each in frequent)):
-        runs = sum(int((np.diff(_is_lost(track.position, place).astype(int)) > 0).sum()) for track in tracks)
-        first = sum(bool(_is_lost(track.position, place)[0]) for track in tracks)
-        if runs + first >= least:
+    places = np.concatenate([track.position for track in tracks])
+    unique, counts = np.unique(places[~np.isnan(places).any(axis=1)] @ np.array([1.0, 1.0j]), return_counts=True)
+    frequent = unique[np.argsort(-counts)[: int(counts.max(initial=0) >= MIN_RETURNS)]]
+    for place, least in ((np.zeros(2), 1), *((np.array([each.real, each.imag]), MIN_RETURNS) for each in frequent)):
+        lost = [_is_lost(track.position, place) for track in tracks]
+        if sum(int(np.count_nonzero(each[1:] & ~each[:-1])) + int(each[0]) for each in lost) >= least:
             return np.asarray(place)
     return None
 
