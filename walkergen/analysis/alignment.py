@@ -42,19 +42,14 @@ def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: 
     (_, across, spread), errors = ratios[0], statistics.jackknife_error(ratios[1:])
     if not spread > MIN_SIGNIFICANCE * errors[2]:
         return {name: refusal(name, ALIKE_REASON) for name in ALIGNMENT_NAMES}
-    freedom = len(sums) - 1.0
-    kappas = ratios[:, 0] / ratios[:, 1]
-    if abs(across) > MIN_SIGNIFICANCE * errors[1]:
-        kappa = quantity(ALIGNMENT_NAMES[0], kappas[0], float(statistics.jackknife_error(kappas[1:, None])[0]), freedom)
-    else:
-        kappa = refusal(ALIGNMENT_NAMES[0], "walkers hardly drift across their headings: a steeper slope, or more runs")
-    rates = ratios[:, 0] / (interval * ratios[:, 2])
-    return {
-        ALIGNMENT_NAMES[0]: kappa,
-        ALIGNMENT_NAMES[1]: quantity(
-            ALIGNMENT_NAMES[1], rates[0], float(statistics.jackknife_error(rates[1:, None])[0]), freedom
-        ),
-    }
+    found = {}
+    for name, values in zip(ALIGNMENT_NAMES, ratios[:, :1].T / (ratios[:, 1], interval * ratios[:, 2]), strict=True):
+        error = float(statistics.jackknife_error(values[1:, None])[0])
+        found[name] = quantity(name, values[0], error, len(sums) - 1.0)
+    if not abs(across) > MIN_SIGNIFICANCE * errors[1]:
+        reason = "walkers hardly drift across their headings: a steeper slope, or more runs"
+        found[ALIGNMENT_NAMES[0]] = refusal(ALIGNMENT_NAMES[0], reason)
+    return found
 
 
 def remove_slope_turning(track: Track, rate: float, interval: float, descent: float) -> Track:

@@ -119,7 +119,11 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Displac
         bool(significance > student_quantile(len(values) - 2, 1.0 - p)) for p in (RUN_P_VALUE, SUSPECTED_P_VALUE)
     )
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
-    if run and _is_negative([spread.diffusion for spread in fits]):
+    diffusion = np.array([[spread.diffusion] for spread in fits])
+    least = -student_quantile(len(values) - 2, 1.0 - INERTIA_P_VALUE) * float(
+        statistics.jackknife_error(diffusion[1:])[0]
+    )
+    if run and diffusion[0, 0] < least:
         first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
         start = first.rate, first.smooth_rate
         fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
@@ -183,12 +187,6 @@ def _max_run_significance(lag: Array, values: Array, errors: Array, turns: Seque
     return float(np.divide(runs[0], error, out=np.where(runs[0] > 0.0, np.inf, 0.0), where=error > 0.0).max())
 
 
-def _is_negative(replicates: Sequence[float]) -> bool:
-    """Return whether a number is significantly below 0. `replicates`: from all samples, then with each one left out."""
-    error = float(statistics.jackknife_error(np.array(replicates[1:])[:, None])[0])
-    return replicates[0] < -student_quantile(len(replicates) - 2, 1.0 - INERTIA_P_VALUE) * error
-
-
 def _fit_run(lag: Array, values: Array, errors: Array, turn: float, with_run: bool) -> Spread:
     """Fit a run, diffusion and noise by least squares; only diffusion and noise if not `with_run`.
 
@@ -218,11 +216,8 @@ def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tu
     """
     from scipy.optimize import minimize
 
-    low, high, most = (
-        math.log(1.0 / (MAX_RATE_RATIO * lag[-1])),
-        math.log(MAX_RATE_RATIO / lag[0]),
-        math.log(MAX_RATE_RATIO),
-    )
+    most = math.log(MAX_RATE_RATIO)
+    low, high = -most - math.log(lag[-1]), most - math.log(lag[0])
 
     def to_rates(logs: Sequence[float]) -> tuple[float, float]:
         """Return both rates (1/s), limited, from logarithms of the lower one and of their ratio less 1."""

@@ -35,7 +35,7 @@ class _Pairs(NamedTuple):
     lag: int
     all_pairs: int
     independent: float
-    """Number of independent pairs."""
+    """Number of independent ones."""
     lost_first: float
     """Loss of direction at the first lag, as an exponent."""
     lost: float
@@ -66,11 +66,8 @@ def persistence(tracks: Sequence[Track], settings: Settings, speed: Quantity) ->
     found = [pairs for window in windows for pairs in _find_pairs(tracks, window)]
     usable = [pairs for pairs in found if pairs.independent >= MIN_SAMPLES and pairs.rate > 0.0]
     if not usable:
-        most = max((pairs.independent for pairs in found), default=0.0)
-        reason = (
-            f"{most:.0f} independent pairs of directions out of reach of walls; at least {MIN_SAMPLES}: film for "
-            "longer, or in a larger box"
-        )
+        most = f"{max((pairs.independent for pairs in found), default=0.0):.0f} independent pairs of directions"
+        reason = f"{most} out of reach of walls; at least {MIN_SAMPLES}: film for longer, or in a larger box"
         return {name: refusal(name, reason) for name in names}
     typical = max(usable, key=lambda pairs: pairs.independent).rate
     best = min(usable, key=lambda pairs: pairs.error(typical) if pairs.lost < MAX_LOSS else math.inf)
@@ -83,11 +80,11 @@ def persistence(tracks: Sequence[Track], settings: Settings, speed: Quantity) ->
     if per_s.interval() is None or time.interval() is None:
         reason = f"the loss of direction within {best.lag * interval:.3g} s is not resolved: a larger box resolves it"
         return {name: refusal(name, reason) for name in names}
-    if speed.value is None or speed.se is None or not abs(speed.value) > 0.0:
-        return {names[0]: per_s, names[1]: time, names[2]: refusal(names[2], "the speed is not resolved")}
-    size = abs(speed.value)
-    length = quantity(names[2], size * time.number, math.hypot(error, speed.se / size) * size * time.number, freedom)
-    return {names[0]: per_s, names[1]: time, names[2]: length._replace(noise=noise / size, power=-1)}
+    length = refusal(names[2], "the speed is not resolved")
+    if speed.value and speed.se is not None:
+        size, share = abs(speed.value) * time.number, math.hypot(error, speed.se / speed.value)
+        length = quantity(names[2], size, share * size, freedom)._replace(noise=noise / abs(speed.value), power=-1)
+    return dict(zip(names, (per_s, time, length), strict=True))
 
 
 def _find_pairs(tracks: Sequence[Track], window: int) -> list[_Pairs]:

@@ -6,8 +6,11 @@ time (samples) after each sample before a wall can be reached, `lags` are in sam
 
 import functools
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from numpy import fft
 
 from walkergen.core.numerics import Array, Complex, Mask, Whole
@@ -87,25 +90,17 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
     return total, pairs
 
 
-def sum_free_squares(position: Array, lags: Whole, free_time: Whole) -> tuple[Array, Array]:
-    """Sum |r(t + lag) - r(t)|^2 over pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
-    sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
-    for index, lag in enumerate(lags):
-        moved = (position[lag:] - position[:-lag])[free_time[:-lag] >= lag]
-        square = (moved**2).sum(axis=1)
-        known = ~np.isnan(square)
-        sums[index], counts[index] = square[known].sum(), known.sum()
-    return sums, counts
-
-
-def sum_free_products(series: Complex, lags: Whole, free_time: Whole) -> tuple[Complex, Array]:
-    """Sum conj(z(t)) z(t + lag) over pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
-    sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
-    for index, lag in enumerate(lags):
-        products = (np.conj(series[:-lag]) * series[lag:])[free_time[: len(series)][:-lag] >= lag]
-        known = ~np.isnan(products)
-        sums[index], counts[index] = products[known].sum(), known.sum()
-    return sums, counts
+def sum_free_pairs(
+    values_at: Callable[[int], npt.NDArray[Any]], lags: Whole, free_time: Whole
+) -> tuple[npt.NDArray[Any], Array]:
+    """Sum the values at a lag of pairs with `free_time` >= lag; return sums and numbers of pairs by lag."""
+    sums, counts = [], []
+    for lag in map(int, lags):
+        values = values_at(lag)
+        values = values[(free_time[: len(values)] >= lag) & ~np.isnan(values)]
+        sums.append(values.sum())
+        counts.append(float(len(values)))
+    return np.array(sums), np.array(counts)
 
 
 def log_spaced_lags(longest: int, count: int, shortest: int = 1) -> Whole:

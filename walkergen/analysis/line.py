@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 
 class Line(NamedTuple):

@@ -20,15 +20,12 @@ MIN_CATCH_UP = 1.5
 
 def drop(tracks: Tracks) -> Tracks:
     """Return tracks with NaN for lost walkers and repeated frames. Their note counts both and warns of copies."""
-    cleaned, notes = [], []
-    place = _lost_place(tracks.tracks)
-    count = 0
-    for track in tracks.tracks:
-        lost = _is_lost(track.position, place) if place is not None else np.zeros(len(track.position), dtype=bool)
-        count += int(lost.sum())
-        cleaned.append(_without(track, lost))
-    if place is not None and count:
+    place, cleaned, notes = _lost_place(tracks.tracks), list(tracks.tracks), []
+    if place is not None:
+        lost = [_is_lost(track.position, place) for track in cleaned]
+        cleaned = [_without(track, each) for track, each in zip(cleaned, lost, strict=True)]
         where = ", ".join(formatting.format_number(float(value), 3) for value in place)
+        count = sum(map(np.count_nonzero, lost))
         notes.append(f"{count} places at ({where}), far from those before and after, are lost frames: left out")
     repeated = _repeated_frames(cleaned)
     total = max(track.start + len(track.position) for track in cleaned)
@@ -111,11 +108,7 @@ def _catch_up(tracks: Sequence[Track], repeated: Mask) -> float:
     alone = repeated[1:] & ~np.append(repeated[2:], True) & ~repeated[:-1]
     follows = np.concatenate([[False, False], alone[:-1]])
     for track in tracks:
-        steps = (
-            np.hypot(*np.diff(track.position, axis=0).T)
-            if track.position.shape[1] > 1
-            else np.abs(np.diff(track.position[:, 0]))
-        )
+        steps = np.linalg.norm(np.diff(track.position, axis=0), axis=1)
         here = slice(track.start + 1, track.start + len(track.position))
         after.append(steps[follows[here] & (steps > 0.0)])
         others.append(steps[~follows[here] & ~repeated[here] & (steps > 0.0)])

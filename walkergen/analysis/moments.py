@@ -163,15 +163,16 @@ def sum_squares(track: Track, lags: Whole) -> tuple[Array, Array]:
     """Return sums of squared displacements (mm^2) and numbers of pairs by lag (samples), without pairs near walls."""
     if track.reach is None:
         return lag_sums.sum_squares(track.position, lags)
-    return lag_sums.sum_free_squares(track.position, lags, track.reach)
+    place = track.position
+    return lag_sums.sum_free_pairs(lambda lag: ((place[lag:] - place[:-lag]) ** 2).sum(axis=1), lags, track.reach)
 
 
 def _sum_direction_products(track: Track, directions: Complex, grid: Grid) -> tuple[Complex, Array]:
     """Return sums of products of directions and numbers of pairs by lag, without pairs near walls."""
     if track.reach is None:
         return lag_sums.sum_products(directions, grid.turn_lags)
-    span = 0 if track.heading is not None else grid.step
-    return lag_sums.sum_free_products(directions, grid.turn_lags, track.reach - span)
+    free = track.reach - (0 if track.heading is not None else grid.step)
+    return lag_sums.sum_free_pairs(lambda lag: np.conj(directions[:-lag]) * directions[lag:], grid.turn_lags, free)
 
 
 def mask_near_walls(values: npt.NDArray[Any], free: Mask | None) -> npt.NDArray[Any]:

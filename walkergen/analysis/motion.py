@@ -209,7 +209,7 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found_walls: Walls | None, 
         memory=False,
         memory_open=False,
         square_errors=np.where(fitted, msd.se, np.nan),
-        turn_errors=_jackknife_error([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
+        turn_errors=statistics.jackknife_error(np.stack([[values.real, values.imag] for values in turn[1:]])).ravel(),
         walls=found_walls is not None,
     )
     settings, numbers = verdicts.choose_memory(all_sums, settings)
@@ -360,22 +360,14 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
     max_turn_lag, max_square_lag = length // FITTED_LAG_DIVISOR, max(longest // 4, 1)
     reach = [track.reach for track in tracks.tracks if track.reach is not None]
     if reach:  # walls end the pairs that are free, not the tracks
-        max_square_lag = min(max_square_lag, max(_longest_free_lag(reach, 1 if headed else 2 * step + 1), 1))
+        free = np.concatenate(reach)
+        free = free[free >= (1 if headed else 2 * step + 1)]
+        longest_free = int(np.quantile(free, 1.0 - FREE_PLACES_SHARE)) if len(free) else 0
+        max_square_lag = min(max_square_lag, max(longest_free, 1))
         max_turn_lag = min(max_turn_lag, max_square_lag - (0 if headed else step))
     turns = np.zeros(0, np.int64) if tracks.lane else lag_sums.log_spaced_lags(max_turn_lag, count=32, shortest=first)
     squares = lag_sums.log_spaced_lags(max_square_lag, count=64)
     return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
-
-
-def _longest_free_lag(free_times: Sequence[Whole], shortest: int) -> int:
-    """Return the longest lag (samples) during which enough positions stay out of reach of walls; 0 if none does.
-
-    `free_times`: for each track, the samples after each position before a wall can be reached. Times below `shortest`
-    do not count.
-    """
-    free = np.concatenate(free_times)
-    free = free[free >= shortest]
-    return int(np.quantile(free, 1.0 - FREE_PLACES_SHARE)) if len(free) else 0
 
 
 def _bin_edges(values: Array, step: int) -> Array:
@@ -386,11 +378,6 @@ def _bin_edges(values: Array, step: int) -> Array:
     width = 2.0 * (high - low) / (len(values) / step) ** (1 / 3)
     count = math.ceil(np.ptp(values) / width) if width > 0 else 1
     return np.linspace(values.min(), values.max(), min(max(count, 5), 200) + 1)  # 5 to 200 bins
-
-
-def _jackknife_error(replicates: Sequence[Array]) -> Array:
-    """Return the jackknife errors of an array, from replicates of its shape that lack one sample each."""
-    return statistics.jackknife_error(np.stack(replicates))
 
 
 def _local_exponents(lags: Whole, values: Array) -> Array:
@@ -416,7 +403,9 @@ def _jackknife_curve(lags: Whole, values: Sequence[Array], length: float) -> Cur
     Errors are NaN beyond half of a sample's `length`. Lags and length are in positions.
     """
     resolved = lags <= int(length) // 2
-    return Curve(lags.astype(float), values[0], np.where(resolved, _jackknife_error(values[1:]), np.nan))
+    return Curve(
+        lags.astype(float), values[0], np.where(resolved, statistics.jackknife_error(np.stack(values[1:])), np.nan)
+    )
 
 
 def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
@@ -424,7 +413,7 @@ def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
     densities = [count / (max(count.sum(), 1.0) * np.diff(edges)) for count in counts]
-    error = _jackknife_error(densities[1:])
+    error = statistics.jackknife_error(np.stack(densities[1:]))
     if not all(count.any() for count in counts):
         error = np.full_like(error, np.nan)
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)

@@ -75,7 +75,8 @@ def read_deeplabcut(path: Path) -> Source:
         x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
         if x is None or y is None:
             raise InputError(f"{path}: the part {safe_text.shorten_line(part)[:30]} has no x and y")
-        owned.setdefault(person, {})[part] = _mask_unlikely(x, y, likelihood)
+        unsure = False if likelihood is None else likelihood < MIN_LIKELIHOOD
+        owned.setdefault(person, {})[part] = Part(np.where(unsure, np.nan, x), np.where(unsure, np.nan, y))
     if len(owned) > 1:
         owned.pop("single", None)  # parts of no individual, as corners of a box
     notes = ("frames are numbered by the names of pictures",) if pictures else ()
@@ -130,14 +131,6 @@ def check_table_kind(path: Path, headers: Sequence[str]) -> None:
         raise InputError(f"{path}: has a row for {what}. Give SLEAP's analysis CSV, with a row for each walker.")
 
 
-def _mask_unlikely(x: Array, y: Array, likelihood: Array | None) -> Part:
-    """Return a part, with NaN where its likelihood is too small."""
-    if likelihood is not None:
-        unsure = likelihood < MIN_LIKELIHOOD
-        x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
-    return Part(x, y)
-
-
 def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
     """Return a body's pose (x, y and, if its head and tail are known, heading in rad) and a note on the parts used."""
     matches = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
@@ -152,7 +145,5 @@ def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
         return position, f"{note}; no headings, because no two parts are called head and tail"
     ahead, behind = parts[front], parts[back]
     theta = np.arctan2(ahead.y - behind.y, ahead.x - behind.x)
-    return (
-        *position,
-        theta,
-    ), f"{note}, headings from {safe_text.shorten_line(back)[:30]} to {safe_text.shorten_line(front)[:30]}"
+    ends = (safe_text.shorten_line(back)[:30], safe_text.shorten_line(front)[:30])
+    return (*position, theta), f"{note}, headings from {' to '.join(ends)}"

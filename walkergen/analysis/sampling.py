@@ -199,13 +199,6 @@ def _build_track(
     path: Path, particle: int, rows: Whole, samples: Array, position: Array, heading: Array | None, plate_speeds: Array
 ) -> Track:
     """Build a particle's track from its `rows` in the other arrays (mm, rad, mm/s), at `samples` of a regular grid."""
-    index = samples.astype(np.int64)
-    grid = np.full((int(index[-1]) + 1, position.shape[1]), np.nan)
-    grid[index] = position[rows]
-    angles = None
-    if heading is not None:
-        angles = np.full(len(grid), np.nan)
-        angles[index] = heading[rows]
     speeds = np.unique(plate_speeds[rows][~np.isnan(plate_speeds[rows])])
     if len(speeds) > 1:
         raise InputError(
@@ -214,4 +207,6 @@ def _build_track(
         )
     if len(speeds) and speeds[0] < 0:
         raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")
-    return Track(particle, grid, angles, float(speeds[0]) if len(speeds) else None)
+    speed = float(speeds[0]) if len(speeds) else None
+    seen = Track(particle, position[rows], None if heading is None else heading[rows], speed)
+    return seen.spread(samples.astype(np.int64))

@@ -125,26 +125,17 @@ def check_units(path: Path, measured: Measured) -> None:
         )
 
 
-def read_at_plate_speed(path: Path, kind: Kind, plate_speed: float) -> Measured:
-    """Read the speeds measured on a plate with this peak speed (mm/s), within PLATE_SPEED_TOLERANCE.
-
-    `kind` and `plate_speed` are used if the file has none. Raises InputError.
-    """
-    return select_plate_speed(read_speeds(path, kind, plate_speed), plate_speed)
-
-
 def select_plate_speed(measured: Measured, plate_speed: float) -> Measured:
     """Select the speeds measured on a plate with this peak speed (mm/s), within PLATE_SPEED_TOLERANCE."""
     same = np.abs(measured.plate_speed / plate_speed - 1.0) <= PLATE_SPEED_TOLERANCE
     away = int(np.count_nonzero(~same))
     left_out = f"{away} speeds at other plate speeds than {plate_speed:.3g} mm/s left out"
     notes = [measured.bad, left_out if away else ""]
-    return Measured(
-        measured.tilt[same],
-        [kind for kind, chosen in zip(measured.legs, same, strict=True) if chosen],
-        measured.speed[same],
-        None if measured.se is None else measured.se[same],
-        measured.plate_speed[same],
-        "; ".join(note for note in notes if note),
-        measured.of_films,
+    return measured._replace(
+        tilt=measured.tilt[same],
+        legs=[kind for kind, chosen in zip(measured.legs, same, strict=True) if chosen],
+        speed=measured.speed[same],
+        se=None if measured.se is None else measured.se[same],
+        plate_speed=measured.plate_speed[same],
+        bad="; ".join(note for note in notes if note),
     )

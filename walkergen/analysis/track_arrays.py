@@ -108,11 +108,6 @@ def npz_lines(path: Path) -> Iterator[str] | None:
     return chain([",".join(names) + "\n"], (",".join(map(str, row)) + "\n" for row in rows))
 
 
-def blank_infinite(line: str) -> str:
-    """Replace TRex's word for unseen values in a line of its table by a blank cell."""
-    return INFINITE_PATTERN.sub("", line)
-
-
 def _is_npz(path: Path) -> bool:
     """Return whether a file is an archive of NumPy arrays."""
     try:
@@ -291,8 +286,6 @@ def _from_idtracker(arrays: ArrayFile, fps: float) -> Source:
     """Return the rows of idtracker.ai's trajectories, shape (frames, animals, 2); `fps`: frames per second."""
     x, y = arrays.values["trajectories"].transpose(2, 1, 0)[:, :, None]
     times = {"time": np.arange(x.shape[-1]) / fps}
-    named = {
-        "time": NamedColumn("frames_per_second", "s"),
-        **{axis: NamedColumn("trajectories", PIXEL) for axis in "xy"},
-    }
+    named = {axis: NamedColumn("trajectories", PIXEL) for axis in "xy"}
+    named["time"] = NamedColumn("frames_per_second", "s")
     return _from_parts(x, y, (), (), times, named, "idtracker.ai")

@@ -32,56 +32,27 @@ ANGLE_UNITS_RAD: Mapping[str, float] = MappingProxyType({"rad": 1.0, "deg": math
 """Units of headings, rad."""
 
 UNIT_SPELLINGS: Mapping[str, str] = MappingProxyType(
-    {
-        "µm": "um",
-        "μm": "um",
-        "micron": "um",
-        "microns": "um",
-        "inch": "in",
-        "pixel": PIXEL,
-        "pixels": PIXEL,
-        "sec": "s",
-        "second": "s",
-        "seconds": "s",
-        "frames": "frame",
-        "degree": "deg",
-        "degrees": "deg",
-        "°": "deg",
-        "radians": "rad",
-    }
+    dict.fromkeys(("µm", "μm", "micron", "microns"), "um")
+    | dict.fromkeys(("pixel", "pixels"), PIXEL)
+    | dict.fromkeys(("sec", "second", "seconds"), "s")
+    | dict.fromkeys(("degree", "degrees", "°"), "deg")
+    | {"inch": "in", "frames": "frame", "radians": "rad"}
 )
 """Other spellings of units, as programs have them."""
+
+PLACE_NAMES = (
+    *("{}_wcentroid", "{}", "position_{}", "pos_{}", "{}_pos", "pos{}"),
+    *("{}_position", "{}body", "centroid_{}", "{}_coord"),
+)
+"""Names of columns of places along an axis; TRex's of the body is before that of its head."""
 
 COLUMN_NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "frame": ("frame", "frames", "frame_idx", "frame_number", "frame_id", "imagenumber", "slice", "slice_n"),
         "time": ("time", "t", "seconds", "position_t"),
-        "x": (
-            "x_wcentroid",  # TRex's of the body, before that of its head
-            "x",
-            "position_x",
-            "pos_x",
-            "x_pos",
-            "posx",
-            "x_position",
-            "xbody",
-            "centroid_x",
-            "x_coord",
-            "trajectories1",  # idtracker.ai's, of one animal
-        ),
-        "y": (
-            "y_wcentroid",  # TRex's of the body, before that of its head
-            "y",
-            "position_y",
-            "pos_y",
-            "y_pos",
-            "posy",
-            "y_position",
-            "ybody",
-            "centroid_y",
-            "y_coord",
-            "trajectories2",
-        ),
+        # The last is idtracker.ai's, of one animal
+        "x": (*(name.format("x") for name in PLACE_NAMES), "trajectories1"),
+        "y": (*(name.format("y") for name in PLACE_NAMES), "trajectories2"),
         "theta": ("theta", "angle", "heading", "orientation", "tbody"),
         "particle": ("particle", "track_id", "trackid", "individual", "tid", "track", "track_n", "id", "object_id"),
     }

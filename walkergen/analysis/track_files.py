@@ -95,8 +95,8 @@ def read_recording(paths: Sequence[Path], units: Units) -> Tracks:
         for track in film.tracks:
             name = safe_text.shorten_line(path.stem if unique else str(path))
             names[len(tracks)] = name if len(film.tracks) == 1 else f"{name} {track.particle}"
-            spread = track._replace(particle=len(tracks), start=track.start * stride + late)
-            tracks.append(_spread_samples(spread, stride))
+            spread = track.spread(stride * np.arange(len(track.position)))
+            tracks.append(spread._replace(particle=len(tracks), start=track.start * stride + late))
     notes = [f"{len(films)} files are taken as one recording with the same clock", *(film.note for film in films)]
     errors = [film.scale_se for film in films]
     return Tracks(
@@ -110,24 +110,12 @@ def read_recording(paths: Sequence[Path], units: Units) -> Tracks:
     )
 
 
-def _spread_samples(track: Track, stride: int) -> Track:
-    """Return a track with `stride` - 1 unknown samples (NaN) inserted between neighbouring samples."""
-    if stride == 1:
-        return track
-    position = np.full(((len(track.position) - 1) * stride + 1, track.position.shape[1]), np.nan)
-    position[::stride] = track.position
-    heading = None if track.heading is None else np.full(len(position), np.nan)
-    if heading is not None:
-        heading[::stride] = track.heading
-    return track._replace(position=position, heading=heading)
-
-
 def _read_with_lost_frames(path: Path, units: Units) -> Tracks:
     """Read the tracks of a file, lost and repeated frames included. Raises InputError as `read_tracks`."""
     given = _parse_units(units.unit)
     source = track_formats.read_source(path, units.lane)
     if source.program == WALKERGEN_PROGRAM:
-        return _read_walkergen(path, source, units, given)
+        return _read_walkergen(path, source, units)
     _check_same_units(path, source, given)
     clock, has_times, notes = _choose_clock(path, source, units, given)
     length, lengths = _mm_per_unit(path, source, units, given)
@@ -177,23 +165,18 @@ def _parse_units(text: str) -> _Given:
     return _Given(units.get("length"), units.get("time"), units.get("angle"))
 
 
-def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
+def _read_walkergen(path: Path, source: Source, units: Units) -> Tracks:
     """Read a file that walkergen wrote: of a walker seen from above, with a heading, or of one in a lane."""
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
         raise InputError(f"‹y_down›: {path} {y}; leave out ‹y_down›")
-    _check_no_units(path, source, units, given, "t_s and x_mm")
-    tracks = sampling.from_times(path, source.table, "t_s")
-    return tracks._replace(scale_se=_scale_se(path, source.table))
-
-
-def _check_no_units(path: Path, source: Source, units: Units, given: _Given, column_names: str) -> None:
-    """Raise InputError for units given for a file whose columns state theirs; `column_names` are for the message."""
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
-            raise InputError(f"‹{field}=›{shown}: {path} has its own {column_names}; leave out ‹{field}›")
+            raise InputError(f"‹{field}=›{shown}: {path} has its own t_s and x_mm; leave out ‹{field}›")
+    tracks = sampling.from_times(path, source.table, "t_s")
+    return tracks._replace(scale_se=_scale_se(path, source.table))
 
 
 def _check_same_units(path: Path, source: Source, given: _Given) -> None:
@@ -221,27 +204,16 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
         notes = () if named is None else (f"times are those of frames by ‹fps›, not of {named.name}",)
         return _frame_rate(path, source, units), False, notes
     assert named is not None
-    if unit:
-        return _time_clock(path, source, units, TIME_UNITS_S[unit], ())
-    if counted and frames:  # written twice if the rate is unknown
-        return _frame_rate(path, source, units), False, ()
-    if counted:
-        if units.fps is None:
+    if counted and not unit:
+        if units.fps is None and not frames:  # frames are written twice if the rate is unknown
             raise InputError(
                 f"{path}: {named.name} holds whole numbers without a unit; give ‹unit=›s (or ms), or ‹fps› "
                 "where it counts frames"
             )
-        return _frame_rate(path, source, units), False, (f"{named.name} is taken to count frames",)
-    return _time_clock(path, source, units, 1.0, (f"{named.name} is taken as seconds",))
-
-
-def _time_clock(
-    path: Path, source: Source, units: Units, seconds: float, notes: tuple[str, ...]
-) -> tuple[float, bool, tuple[str, ...]]:
-    """Return the result of `_choose_clock` for a column of times. Raises InputError if a frame rate is also given."""
+        return _frame_rate(path, source, units), False, () if frames else (f"{named.name} is taken to count frames",)
     if units.fps is not None:
-        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave out ‹fps›")
-    return seconds, True, notes
+        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {named.name}; leave out ‹fps›")
+    return TIME_UNITS_S[unit or "s"], True, () if unit else (f"{named.name} is taken as seconds",)
 
 
 def _frame_rate(path: Path, source: Source, units: Units) -> float:
@@ -300,9 +272,7 @@ def _rad_per_unit(path: Path, source: Source, given: _Given) -> tuple[float, str
             "turn in radians; "
             "give ‹unit=›deg or ‹unit=›rad (with that of positions: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )
-    if largest > MAX_TURN_RAD:
-        return 1.0, f"{named.name} is taken as radians, whole turns counted"
-    return 1.0, f"{named.name} is taken as radians"
+    return 1.0, f"{named.name} is taken as radians{', whole turns counted' if largest > MAX_TURN_RAD else ''}"
 
 
 def _is_not_radians(table: Columns) -> bool:

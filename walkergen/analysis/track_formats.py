@@ -27,6 +27,8 @@ NO_TRACK_LABELS = ("none", "ø")
 TREX_COLUMNS = ("X#wcentroid (cm)", "X (cm)")
 """Columns of TRex's tables, of the body and of its head."""
 
+TREX_NOTE = "TRex's cm are such only where its cm_per_pixel was set: else give ‹unit=›px and ‹mm_per_px›"
+
 CLUSTER_COLUMN = "CID"
 """Column of MTrackJ's clusters of tracks."""
 
@@ -78,7 +80,7 @@ def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
     if any(name in header for name in TREX_COLUMNS):
         names = header.split(",")  # TRex writes the column frame twice
         header = ",".join(name if name not in names[:at] else "" for at, name in enumerate(names))
-        stream = map(track_arrays.blank_infinite, stream)
+        stream = (track_arrays.INFINITE_PATTERN.sub("", line) for line in stream)
     separator = track_columns.find_separator(header)
     skipped = islice(stream, skip) if skip else ()
     blank = ["\n"] * (titled + len(list(skipped)))
@@ -145,7 +147,7 @@ def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sou
     table = columns.read_numbers(path, list(required.values()), list(optional.values()), words_of, lines)
     names_by_kind = required | optional | dict.fromkeys(("particle",)[: len(words_of)], label)
     values = {kind: table.values[name] for kind, name in names_by_kind.items() if name in table.values}
-    notes = (*_program_warnings(program), *track_columns.format_labels(labels))
+    notes = (*((TREX_NOTE,) if program == "TRex" else ()), *track_columns.format_labels(labels))
     if (clusters := values.pop(CLUSTER_COLUMN, None)) is not None:
         notes += (_renumber_clusters(values, clusters),)
     return Source(table._replace(values=values), named, program, y_down, program in MIRRORED_PROGRAMS, notes)
@@ -160,12 +162,6 @@ def _renumber_clusters(values: dict[str, Array], clusters: Array) -> str:
     values["particle"][known] = numbers.ravel()
     shown = ", ".join(f"{at} TID {track:g} of CID {cluster:g}" for at, (cluster, track) in enumerate(tracks[:6]))
     return f"walkers are numbered: {shown}{', ...' if len(tracks) > 6 else ''}"
-
-
-def _program_warnings(program: str) -> tuple[str, ...]:
-    if program == "TRex":
-        return ("TRex's cm are such only where its cm_per_pixel was set: else give ‹unit=›px and ‹mm_per_px›",)
-    return ()
 
 
 def _detect_program(names: Sequence[str], by_kind: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:

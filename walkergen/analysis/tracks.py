@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
+import numpy as np
+
 from walkergen.core.numerics import Array, Mask, Whole
 
 
@@ -25,6 +27,15 @@ class Track(NamedTuple):
     def free_samples(self, span: int) -> Mask | None:
         """Return whether no wall is in reach during the next `span` samples, shape (times,); None without walls."""
         return None if self.reach is None else self.reach >= span
+
+    def spread(self, samples: Whole) -> "Track":
+        """Return the track with its places at these samples, from 0 on, and none between them."""
+        position = np.full((int(samples[-1]) + 1, self.position.shape[1]), np.nan)
+        heading = None if self.heading is None else np.full(len(position), np.nan)
+        position[samples] = self.position
+        if heading is not None:
+            heading[samples] = self.heading
+        return self._replace(position=position, heading=heading)
 
 
 class Tracks(NamedTuple):

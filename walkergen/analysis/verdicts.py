@@ -84,8 +84,10 @@ def choose_memory(sums: Sequence[Moments], settings: Settings) -> tuple[Settings
     if is_resolved(memory) and numbers[0]["turning_memory"] > settings.interval:
         return with_memory, numbers
     plain = evaluate_all(sums, settings)
-    if _is_significantly_shorter(memory, settings.interval):
-        return settings, plain
+    if memory.value is not None and memory.se is not None:  # significantly shorter than a sample
+        errors = student_quantile(memory.freedom, 1.0 - MEMORY_P_VALUE)
+        if memory.value + errors * memory.se < settings.interval:
+            return settings, plain
     return settings._replace(memory_open=True), _merge_persistence(plain, numbers)
 
 
@@ -96,14 +98,6 @@ def evaluate_all(sums: Sequence[Moments], settings: Settings) -> list[dict[str, 
         return values
     with_memory = settings._replace(memory=True)
     return _merge_persistence(values, [evaluate(sample, with_memory) for sample in sums])
-
-
-def _is_significantly_shorter(memory: Quantity, seconds: float) -> bool:
-    """Return whether the correlation time `memory` (s) is significantly shorter than `seconds`."""
-    if memory.value is None or memory.se is None:
-        return False
-    errors = student_quantile(memory.freedom, 1.0 - MEMORY_P_VALUE)
-    return memory.value + errors * memory.se < seconds
 
 
 def _merge_persistence(

@@ -11,7 +11,7 @@ import numpy as np
 
 from walkergen.analysis import shared_edges
 from walkergen.analysis.shared_edges import SharedEdges
-from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.tracks import Tracks
 from walkergen.core.dish import Dish
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array
@@ -94,7 +94,7 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     if tracks.lane or (dish is not None and dish.period):
         return None
     step = max(round(VELOCITY_S / tracks.interval), 1)
-    lengths = np.concatenate([np.hypot(*_displacements(track, step).T) for track in tracks.tracks])
+    lengths = np.concatenate([np.hypot(*(each.position[step:] - each.position[:-step]).T) for each in tracks.tracks])
     lengths = lengths[~np.isnan(lengths)]
     places = np.concatenate([track.position for track in tracks.tracks])
     places = places[~np.isnan(places).any(axis=1)]
@@ -132,18 +132,10 @@ def add_wall_reach(tracks: Tracks, walls: Walls) -> Tracks:
     step_mm = walls.speed * tracks.interval
     tracks_with_reach = []
     for track in tracks.tracks:
-        reach = (
-            np.floor(walls.distance(track.position) / step_mm) - 1.0
-        )  # noise may have moved the place by a frame's way
+        # Noise may have moved the place by a frame's way
+        reach = np.floor(walls.distance(track.position) / step_mm) - 1.0
         tracks_with_reach.append(track._replace(reach=np.where(np.isnan(reach), -1, reach).astype(np.int64)))
     return tracks._replace(tracks=tuple(tracks_with_reach))
-
-
-def _displacements(track: Track, step: int) -> Array:
-    """Return the displacements over `step` samples before each sample, shape (times, 2), mm; NaN if unknown."""
-    moved = np.full(track.position.shape, np.nan)
-    moved[step:] = track.position[step:] - track.position[:-step]
-    return moved
 
 
 def _convex_hull(places: Array) -> Array:
@@ -167,8 +159,7 @@ def _dish_distance(dish: Dish, places: Array, slack: Array) -> Array:
     """
     if dish.kind == "rectangle":
         return np.asarray(np.min(0.5 * (np.array(dish.sizes) - slack) - np.abs(places), axis=1))
-    radius = np.hypot(*places.T) + 0.5 * math.hypot(*slack)
+    radius, margin = np.hypot(*places.T), 0.5 * math.hypot(*slack)
     outer = 0.5 * dish.sizes[0] - radius
-    return np.asarray(
-        np.minimum(outer, radius - math.hypot(*slack) - 0.5 * dish.sizes[1]) if dish.kind == "ring" else outer
-    )
+    inner = radius - 0.5 * dish.sizes[1] if dish.kind == "ring" else outer
+    return np.asarray(np.minimum(outer, inner) - margin)

@@ -76,7 +76,8 @@ def read_inputs(request: FamilyRequest) -> FamilyInputs:
     masses, notes = read_masses(request.weights, family)
     measured = None
     if request.measured is not None:
-        measured = speeds.read_at_plate_speed(request.measured, design.kind, scene.drive.peak_speed)
+        peak = scene.drive.peak_speed
+        measured = speeds.select_plate_speed(speeds.read_speeds(request.measured, design.kind, peak), peak)
         notes = [*notes, *(f"{request.measured}: {note}" for note in measured.notes)]
     return FamilyInputs(design, family, copies, scene, given.printer(request.printer), masses, measured, notes)
 
