@@ -54,21 +54,14 @@ def test_mean_squared_displacement_equals_trackpys():
 
     filmed = film(4, 3, 3.0, Walker(lost=0.1))
     frames = [
-        pd.DataFrame(
-            {
-                "frame": np.arange(len(one.position)),
-                "particle": one.particle,
-                "x": one.position[:, 0],
-                "y": one.position[:, 1],
-            }
-        ).dropna()
+        pd.DataFrame(one.position, columns=["x", "y"]).rename_axis("frame").reset_index().assign(particle=one.particle)
         for one in filmed.tracks
     ]
     lags = np.arange(1, 80)
     sums = [lag_sums.sum_squares(one.position, lags) for one in filmed.tracks]
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
-        each = trackpy.imsd(pd.concat(frames), mpp=1.0, fps=100.0, max_lagtime=79)
-        pooled = trackpy.emsd(pd.concat(frames), mpp=1.0, fps=100.0, max_lagtime=5).to_numpy()
+        each = trackpy.imsd(pd.concat(frames).dropna(), mpp=1.0, fps=100.0, max_lagtime=79)
+        pooled = trackpy.emsd(pd.concat(frames).dropna(), mpp=1.0, fps=100.0, max_lagtime=5).to_numpy()
     for one, (total, pairs) in zip(filmed.tracks, sums, strict=True):
         np.testing.assert_allclose(total / pairs, each[one.particle].to_numpy(), rtol=1e-9)
     # trackpy weighs particles by effective numbers of pairs that all have in common at small lags.

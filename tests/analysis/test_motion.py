@@ -192,11 +192,20 @@ def test_speed_over_plate_speed_is_a_line_through_the_origin():
     runs = [lane(n, [2.0 * plate] * 8, 400, plate) for n, plate in enumerate((15.0, 20.0, 30.0))]
     together = runs[0]._replace(tracks=tuple(t for run in runs for t in run.tracks))
     found = motion.analyse(together)
-    assert [plate for plate, _ in found.by_plate_speed] == [15.0, 20.0, 30.0]
+    assert [plate for plate, *_ in found.by_plate_speed] == [15.0, 20.0, 30.0]
     assert found.line.slope.value == pytest.approx(2.0, abs=4 * found.line.slope.se)
     assert found.line.p_value > 1e-3
     assert found.estimates["speed"].value is None
     assert "plate speeds" in found.estimates["speed"].refused
+
+
+def test_a_speed_at_a_plate_speed_has_the_number_of_its_own_walkers():
+    slow, fast = lane(0, [30.0] * 3, 400, 15.0), lane(1, [40.0] * 2, 400, 20.0).tracks
+    resting = slow.tracks[2]._replace(position=0.0 * slow.tracks[2].position)
+    found = motion.analyse(slow._replace(tracks=(*slow.tracks[:2], resting, *fast)))
+    assert [count for *_, count in found.by_plate_speed] == ["2 of 3 walkers", ""]
+    counts = [row.get("speed_walkers") for row in facts.from_motion(found)["by_plate_speed"]]
+    assert counts == ["2 of 3 walkers", None]
 
 
 def test_a_lag_outside_the_film_is_refused():

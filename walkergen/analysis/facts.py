@@ -84,7 +84,8 @@ def from_motion(motion: Motion) -> dict[str, Any]:
                 "speed_scale_se_mm_s": scale_se(speed, motion),
             }
             | ({"refused": speed.refused} if speed.refused else {})
-            for plate, speed in motion.by_plate_speed
+            | ({"speed_walkers": count} if count and speed.value is not None else {})
+            for plate, speed, count in motion.by_plate_speed
         ]
         facts["speed_over_plate_speed"] = column_values(motion.line) if motion.line else None
     return facts

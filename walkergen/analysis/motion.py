@@ -94,8 +94,8 @@ class Motion(NamedTuple):
     orthogonal: Curve
     walkers: Sequence[WalkerMeans]
     """Numbers of each single walker."""
-    by_plate_speed: tuple[tuple[float, Quantity], ...] = ()
-    """Speed at each plate speed (mm/s), when the file has several."""
+    by_plate_speed: tuple[tuple[float, Quantity, str], ...] = ()
+    """Speed at each plate speed (mm/s), when the file has several, and its number of walkers as in `counted`."""
     line: Line | None = None
     """Line of speed against plate speed, through the origin."""
     scale_se: float | None = 0.0
@@ -139,22 +139,19 @@ def analyse(
         return all_tracks
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
     analyses = [_analyse_one_speed(tracks._replace(tracks=group), lag_s, found_walls, descent) for group in groups]
-    speeds = [(plate, analysis.estimates["speed"]) for plate, analysis in zip(plates, analyses, strict=True)]
-    usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
+    speeds = [
+        (plate, analysis.estimates["speed"], analysis.counted.get("speed", ""))
+        for plate, analysis in zip(plates, analyses, strict=True)
+    ]
+    usable = [(plate, speed.value, speed.se) for plate, speed, _ in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: refusal(name, reason) for name in UNITS}
     return all_tracks._replace(
         estimates=refused,
         method=analyses[0].method,
-        doubts=[
-            *(doubt for doubt in all_tracks.doubts if REST_WORDS not in doubt),
-            *(
-                f"the speed at a plate speed of {plate:g} mm/s is of {analysis.counted['speed']}"
-                for plate, analysis in zip(plates, analyses, strict=True)
-                if "speed" in analysis.counted
-            ),
-        ],
+        doubts=[doubt for doubt in all_tracks.doubts if REST_WORDS not in doubt],
+        counted={},
         msd_fit=None,
         by_plate_speed=tuple(speeds),
         line=line,

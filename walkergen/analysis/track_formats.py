@@ -73,7 +73,7 @@ def _table_lines(path: Path, titled: bool, skip: int = 0) -> Iterator[str]:
 
     A title and the `skip` lines below the header become blank lines, so that lines keep their numbers.
     """
-    stream = map(track_columns.clock_to_seconds, _text_lines(path))
+    stream: Iterator[str] = map(track_columns.clock_to_seconds, _text_lines(path))
     if titled:
         next(stream)
     header = next(stream, "")

@@ -143,7 +143,7 @@ def draw_walkers(motion: Motion, title: str) -> Figure:
 def draw_plate_speed(motion: Motion, title: str) -> Figure:
     """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
     figure, axes = new_axes(title)
-    rows = [(plate, speed.value, speed.se) for plate, speed in motion.by_plate_speed if speed.value is not None]
+    rows = [(plate, speed.value, speed.se) for plate, speed, _ in motion.by_plate_speed if speed.value is not None]
     measured = np.array(rows, dtype=float).reshape(-1, 3).T
     draw_points(axes, [*measured], label="measured")
     if motion.line is not None:

@@ -64,7 +64,7 @@ WALKER_COLUMNS = (
 )
 """Columns of walkers.csv, one row per walker."""
 
-PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s", "refused")
+PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s", "refused", "walkers")
 """Columns of plate_speed.csv."""
 
 
@@ -102,7 +102,8 @@ def _tables(motion: Motion, names: Mapping[int, str]) -> Iterator[Table]:
     rows = [
         (
             *(key, number.value, number.se, facts.scale_se(number, motion)),
-            *(*facts.interval_bounds(number), number.refused, _walker_count(number, motion)),
+            *(*facts.interval_bounds(number), number.refused),
+            "" if number.value is None else motion.counted.get(number.key, ""),
         )
         for key, number in estimates.items()
     ]
@@ -112,7 +113,7 @@ def _tables(motion: Motion, names: Mapping[int, str]) -> Iterator[Table]:
         yield _walker_table(motion, names)
         return
     name, unit, value, bounds = quantity_format.columns(lambda row: estimates[row[0]])
-    value = value._replace(cell=lambda row: _format_with_scale(estimates[row[0]], motion))
+    value = value._replace(cell=lambda row: _format_with_scale(estimates[row[0]], row[-1], motion))
     columns = [name, unit, value, bounds]
     readable = [
         row for row in rows if row[-2] not in (LANE_REASON, HEADINGS_KNOWN_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON)
@@ -122,28 +123,23 @@ def _tables(motion: Motion, names: Mapping[int, str]) -> Iterator[Table]:
     yield from _curve_tables(motion)
 
 
-def _format_with_scale(number: Quantity, motion: Motion) -> str:
-    """Format a value with its error, that due to the film's scale, and the number of walkers if it is not of all."""
+def _format_with_scale(number: Quantity, count: str, motion: Motion) -> str:
+    """Format a value with its error, that due to the film's scale, and the `count` of walkers if it is not of all."""
     by_scale = facts.scale_se(number, motion)
     scale = f" ± {formatting.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
-    count = _walker_count(number, motion)
     return quantity_format.format_value(number) + scale + (f" ({count})" if count else "")
-
-
-def _walker_count(number: Quantity, motion: Motion) -> str:
-    """Return a text such as "1 of 3 walkers" for a value measured on only some of the walkers, else ""."""
-    return "" if number.value is None else motion.counted.get(number.key, "")
 
 
 def _plate_speed_table(motion: Motion) -> Table:
     """Return the table of mean speeds by plate speed."""
-    speeds = dict(motion.by_plate_speed)
+    speeds = {plate: (speed, "" if speed.value is None else count) for plate, speed, count in motion.by_plate_speed}
     rows = [
-        (plate, speed.value, speed.se, facts.scale_se(speed, motion), speed.refused) for plate, speed in speeds.items()
+        (plate, speed.value, speed.se, facts.scale_se(speed, motion), speed.refused, count)
+        for plate, (speed, count) in speeds.items()
     ]
     columns = (
         Column("plate speed (mm/s)", lambda row: f"{row[0]:g}"),
-        Column("speed (mm/s)", lambda row: _format_with_scale(speeds[row[0]], motion)),
+        Column("speed (mm/s)", lambda row: _format_with_scale(*speeds[row[0]], motion)),
     )
     return Table("plate_speed", rows, PLATE_SPEED_COLUMNS, columns, "Speed by plate speed")
 
