@@ -109,6 +109,26 @@ def test_failed_and_doubtful_points_are_in_sight():
     np.testing.assert_array_equal(np.isnan(line.get_ydata()), [False, True, False, True, False])
 
 
+def test_every_point_lies_above_the_axis_s_range_and_every_series_is_in_the_legend():
+    """The longest tilts and the last friction have no speed: they widen the axis, and the legend says so."""
+    table = columns(tilt=[0, 5, 10, 80], mu=[0.1, 0.2, 0.3], missing=[2, 5, 8, 9, 10, 11])
+    found, (axes,) = drawn(table)
+    low, high = axes.get_xlim()
+    marks = np.concatenate([one.get_xdata() for one in marks_of(axes, "x")])
+    assert low < marks.min() < 80 == marks.max() < high
+    assert said(found) == ["0.1", "0.2", "0.3: no speed", "no speed: 6 of 12"]
+    inside = found.get_tightbbox(), found.bbox_inches
+    assert inside[0].x0 >= inside[1].x0 - 0.01
+    assert inside[0].x1 <= inside[1].x1 + 0.01
+    assert inside[0].y0 >= inside[1].y0 - 0.01
+
+
+def test_more_words_than_lines_lie_along_the_axis():
+    found, (axes,) = drawn(columns(foot=[*"abcdefg"], tilt=[5, 10]))
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == [*"abcdefg"]
+    assert said(found) == ["5 deg", "10 deg"]
+
+
 def test_words_are_categories_that_no_line_joins():
     _, (axes,) = drawn(columns(foot=["flat", "square", "round"]))
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["flat", "square", "round"]

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ LOOKUP_BLOCK, POINTS_PER_TASK = 64, 8
 takes 2 to 30 ms, and sending a task 1 ms."""
 
 MAX_UNSAVED_S = 0.5
-"""Evaluation time of a point in this process above which all finished points are saved at once, s."""
+"""Time after which finished points are saved, s. A worker then returns its finished points, and the task goes on."""
 
 MAX_PENDING = 4096
 """Largest number of finished points that wait for an earlier, slow one. Points are yielded in their order."""
@@ -59,8 +59,22 @@ class _Task:
     points: dict[str, Point]
     """Points by their keys in the store."""
     future: "Future[Answer]"
+    """Records of the first points without a saved one."""
+    records: list[Record] = field(default_factory=list)
+    """Records of the first points, which are saved."""
     again: bool = False
-    """Whether the task was submitted a second time, after its first result was lost."""
+    """Whether points of the task were submitted a second time, after their first result was lost."""
+
+    def save(self, store: Store) -> None:
+        """Save the records of `future`. Raises WalkergenError if it failed or its worker has another version."""
+        records = _read_records(self.future)
+        store.save(zip(self.remaining, records, strict=False))
+        self.records += records
+
+    @property
+    def remaining(self) -> dict[str, Point]:
+        """Points without a saved record, by their keys."""
+        return dict(islice(self.points.items(), len(self.records), None))
 
 
 class _Slot(NamedTuple):
@@ -88,7 +102,7 @@ def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: Worker
     finally:  # after an error, Ctrl-C, or an early stop: the finished results are kept
         for future, task in under_way.items():
             if future.done() and not future.cancelled() and future.exception() is None:
-                store.save(zip(task.points, _task_records(future), strict=True))
+                task.save(store)
 
 
 def _evaluate_by_pool(
@@ -109,13 +123,14 @@ def _evaluate_by_pool(
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
             max_tasks = TASKS_PER_WORKER * pool.workers
             for future in finished:
-                task = under_way[future]
+                task = under_way.pop(future)
                 if _can_retry(task):
-                    task.future, task.again = _submit_task(task.points, pool), True
-                    under_way[task.future] = task
+                    task.again = True
                 else:
-                    store.save(zip(task.points, _task_records(future), strict=True))
-                del under_way[future]
+                    task.save(store)
+                if task.remaining:
+                    task.future = _submit_task(task.remaining, pool)
+                    under_way[task.future] = task
         while slots and (slots[0].task is None or slots[0].task.future not in under_way):
             yield _finish_slot(slots.popleft())
 
@@ -126,17 +141,18 @@ def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Do
     stored = store.get([key for key in keys if key])
     unsaved: list[tuple[str, Record]] = []
     finished: list[Done] = []
+    saved = time.monotonic()
     for point, key in zip(block, keys, strict=True):
         if not isinstance(point, Point):
             finished.append(Done(key, point, False))
         elif key in stored:
             finished.append(Done(key, stored[key], True))
         else:
-            started = time.monotonic()
             finished.append(Done(key, evaluate(point), False))
             unsaved.append((key, finished[-1].record))
-            if point.simulated or time.monotonic() - started > MAX_UNSAVED_S:
+            if point.simulated or time.monotonic() - saved > MAX_UNSAVED_S:
                 store.save(unsaved)
+                saved = time.monotonic()
                 unsaved.clear()
                 yield from finished
                 finished.clear()
@@ -171,8 +187,12 @@ def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool)
 
 
 def _evaluate_task(points: Sequence[Point]) -> Answer:
-    """Evaluate points on a worker. Return the hash of the worker's source files, and the records."""
-    return digest(), [evaluate(point) for point in points]
+    """Evaluate points on a worker, the first of them if they take long. Return its sources' hash, and the records."""
+    started = time.monotonic()
+    records: list[Record] = []
+    while len(records) < len(points) and (not records or time.monotonic() - started < MAX_UNSAVED_S):
+        records.append(evaluate(points[len(records)]))
+    return digest(), records
 
 
 def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
@@ -193,7 +213,7 @@ def _can_retry(task: _Task) -> bool:
     return not task.again and error is not None and not isinstance(error, (BrokenExecutor, ImportError))
 
 
-def _task_records(future: "Future[Answer]") -> list[Record]:
+def _read_records(future: "Future[Answer]") -> list[Record]:
     """Return the records of a finished task. Raises WalkergenError if it failed or its worker has another version."""
     try:
         sources, records = future.result()
@@ -214,5 +234,4 @@ def _finish_slot(slot: _Slot) -> Done:
     if slot.done is not None:
         return slot.done
     assert slot.task is not None
-    _, records = slot.task.future.result()
-    return Done(list(slot.task.points)[slot.position], records[slot.position], False)
+    return Done(list(slot.task.points)[slot.position], slot.task.records[slot.position], False)

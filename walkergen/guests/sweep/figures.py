@@ -47,10 +47,8 @@ def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
     with style(), matplotlib.rc_context(STYLE_CHANGES):
         if not gridded:
             return _draw_clouds(columns, scales, title)
-        # The key with most values lies along x, numbers before words; of equals the first.
-        ranked = sorted(scales, key=lambda scale: (scale.has_words, -len(scale.values)))
         if len(scales) < 3:
-            return _draw_single(columns, scales, ranked, title)
+            return _draw_single(columns, scales, _rank_scales(scales), title)
         return _draw_multiples(columns, scales, title)
 
 
@@ -70,6 +68,12 @@ def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Sca
     return figure
 
 
+def _rank_scales(scales: Sequence[Scale]) -> list[Scale]:
+    """Return one or two scales, that of the x axis first: numbers, the most values, as far as the others are lines."""
+    ranked = sorted(scales, key=lambda scale: (scale.has_words, -len(scale.values)))
+    return ranked if all(len(scale.values) <= MAX_LINES for scale in ranked[1:]) else ranked[::-1]
+
+
 def _has_lines(scales: Sequence[Scale]) -> bool:
     """Return whether one or two keys are drawn as lines. Two keys with more than MAX_LINES values make a map."""
     return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MAX_LINES
@@ -84,7 +88,7 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
         title += f"; {left} of {len(panel_scale.values)} values of {panel_scale.key} left out"
     inside = np.isin(panel_scale.indices, shown)
     columns, panel_scale, *others = _select_rows(columns, inside, (panel_scale, *others))
-    ranked = sorted(others, key=lambda scale: (scale.has_words, -len(scale.values)))
+    ranked = _rank_scales(others)
     with _make_sheet(title, len(shown)) as (figure, panels, in_row):
         norm = draw.make_norm(columns.value)
         for index, (number, axes) in enumerate(zip(shown, panels, strict=True)):
@@ -180,9 +184,10 @@ def _line_handles(columns: Columns, scales: Sequence[Scale]) -> list[Any]:
     handles: list[Any] = []
     for scale in scales:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), LINE_STYLES, strict=False):
-            if not columns.missing[scale.indices == number].all():
-                label = format_value(scale, number, named=False)
-                handles.append(Line2D([], [], color=colour, linestyle=dash, marker=marker, label=label))
+            label = format_value(scale, number, named=False)
+            if columns.missing[scale.indices == number].all():
+                label += f": no {columns.label.partition(' (')[0]}"
+            handles.append(Line2D([], [], color=colour, linestyle=dash, marker=marker, label=label))
     return handles + _mark_handles(columns)
 
 

@@ -174,7 +174,8 @@ def draw_dots(
     axes.plot(positions[plain], value[plain], **dots)
     axes.plot(positions[doubtful], value[doubtful], markerfacecolor="white", **dots)
     missing = positions[np.isnan(value)]
-    if len(missing):  # in one row below the axis: on the axis they would look like values
+    axes.update_datalim(np.column_stack([x.positions, x.positions]), updatey=False)  # crosses do not widen the axis
+    if len(missing):  # in one row between the axis and its numbers: on the axis they would read as speeds
         row = axes.get_xaxis_transform() + ScaledTranslation(0.0, -ROW_PT / 72.0, axes.figure.dpi_scale_trans)
         axes.plot(missing, np.zeros(len(missing)), "x", color="black", transform=row, clip_on=False)
         axes.tick_params(axis="x", pad=3.5 + ROW_PT)
