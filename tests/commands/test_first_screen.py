@@ -9,6 +9,7 @@ from walkergen.cli import command_line
 from walkergen.commands.family.request import FamilyRequest
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
+from walkergen.files import figures
 
 
 def run(*words):
@@ -73,3 +74,35 @@ def test_a_plate_names_its_map_and_its_first_file(tmp_path):
     assert lines[0] == "4 parts on 1 plate of ender3; 4 parts on 1 plate of prusa-mk3s"
     plate = tmp_path / "plates" / "plate_ender3_1"
     assert lines[-1] == f"next: look at {plate}.png, then print {plate}.3mf and 1 more"
+
+
+def test_titles_of_pictures_answer_with_their_scene_and_are_all_different(tmp_path, monkeypatch):
+    monkeypatch.setattr("walkergen.commands.accuracy.machine_speed.cpu_per_s", lambda: 0.05)
+    titles, png = [], figures.png
+
+    def record_title(figure, *words, **values):
+        titles.append(figures.figure_title(figure))
+        return png(figure)
+
+    monkeypatch.setattr(figures, "png", record_title)
+    for number, words in enumerate(
+        (
+            "family --tilt 5,10 --legs flexible",
+            "family --tilt 5,10 --legs flexible --scene plane-90hz",
+            "family --tilt 5,10 --legs flexible --no-speeds",
+            "sweep --set legs.tilt_deg=5,10",
+            "accuracy --tilt 10",
+        )
+    ):
+        run(*words.split(), "--out", str(tmp_path / str(number)))
+    titles = [title for title in titles if title and not title.startswith("family_")]
+    answer = "the fastest, 10 deg, runs at 51 mm/s (95 %: 34 to 74)"
+    assert titles[:2] == [
+        f"koumakis2016 on lane-90hz (90 Hz, 1.8 g): {answer}",
+        "2 walkers of koumakis2016 and how they run on lane-90hz",
+    ]
+    assert titles[2].startswith("koumakis2016 on plane-90hz (90 Hz, 1.8 g): the fastest, ")
+    assert titles[4] == "2 walkers of koumakis2016"
+    assert titles[5].startswith("Speed of koumakis2016 (lane-90hz, predicted): highest, 51.2 mm/s, at 10 deg")
+    assert titles[6].startswith("Accuracy of koumakis2016, tilt 10°, on lane-90hz (measured): 20 % takes ")
+    assert len(set(titles)) == len(titles) == 7

@@ -37,17 +37,25 @@ def headline(design: str, walkers: Sequence[Member], folder: Path | None = None)
     start = count_walkers(design, walkers, folder)
     if len(walkers) == 1:
         only = walkers[0].design
-        told = f"{only.kind} legs, tilt {only.tilt_deg:g} deg: {prediction.describe_speed(walkers[0].row)}"
+        told = f"{only.kind} legs, tilt {only.tilt_deg:g} deg: {describe_fastest(walkers)}"
         return f"{start}: {told}" if folder else f"{design}, {told}"
+    told = describe_fastest(walkers)
+    return f"{start}{'; ' if told.startswith(('the', 'all')) else ', '}{told}"
+
+
+def describe_fastest(walkers: Sequence[Member]) -> str:
+    """Return what the fastest of the walkers does, in words, and how many have no speed."""
+    if len(walkers) == 1:
+        return prediction.describe_speed(walkers[0].row)
     by_speed = [(abs(speed), number) for number, one in enumerate(walkers) if (speed := _speed(one)) is not None]
     if not by_speed:
-        return f"{start}, none with a speed"
+        return "none with a speed"
     missing = len(walkers) - len(by_speed)
     rest = f"; {missing} {'has' if missing == 1 else 'have'} no speed" if missing else ""
     fastest = walkers[max(by_speed)[1]]
     if prediction.is_standing(fastest.row):
-        return f"{start}; {'all' if not missing else 'the others'} stand{rest}"
-    return f"{start}; the fastest, {_describe_member(fastest, walkers)}, {_describe_run(fastest)}{rest}"
+        return f"{'all' if not missing else 'the others'} stand{rest}"
+    return f"the fastest, {_describe_member(fastest, walkers)}, {_describe_run(fastest)}{rest}"
 
 
 def count_walkers(design: str, walkers: Sequence[Member], folder: Path | None = None) -> str:

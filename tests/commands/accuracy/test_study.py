@@ -1,7 +1,6 @@
 """The accuracy study: bounds of biases, the choice of a step, the budget."""
 
 import math
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -159,20 +158,26 @@ def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
     answer, choice = answers._refine(before, candidates, survey)
     assert choice is None
     assert answer == before._replace(why=answer.why)
-    assert answer.why.startswith("as shipped This budget: the most accurate setting has an error of")
+    assert answer.why.startswith("as shipped. This budget: the most accurate setting has an error of")
     wide, choice = answers._refine(before._replace(error=Tolerance(0.5, True)), candidates, survey)
     assert (wide.known, wide.runs) == ("now", choice.runs)
 
 
-def test_choices_that_cost_alike_are_one_point_and_none_is_below_the_floor():
+def test_errors_that_save_no_time_are_said_and_none_is_drawn_below_the_floor():
     survey = known(survey_of(60.0), (100.0,) * 5, se=0.5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
     candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     blank = Answer(Tolerance(0.2, True), "-", None, None, None, "scaled", "")
-    found = [answers._refine(blank._replace(error=wanted), candidates, survey) for wanted in answers.ERROR_LEVELS]
-    (axes,) = answers.draw_choice("walker", candidates, found, (), 0.005).axes
+    every = [answers._refine(blank._replace(error=wanted), candidates, survey) for wanted in answers.ERROR_LEVELS]
+    found, (line,) = answers.drop_free(every)
+    rows = [answer for answer, _ in found]
+    assert [str(row.error) for row in rows] == ["5 %", "2 %", "1 %"]
+    assert line.startswith("Errors above 5 % save no time: 5 % takes ")
+    waits = [row.expected_s for row in rows if row.expected_s]
+    assert waits[1] > answers.FREE_RATIO * waits[0]
+    assert answers.drop_free(found) == (found, [])
+    (axes,) = answers.draw_choice("walker", candidates, rows, 0.03).axes
     told = [text.get_text() for text in axes.texts]
-    assert any(text.startswith("20, 10 %: ") for text in told)
-    costs = [line.get_xdata()[0] for line in axes.get_lines() if line.get_marker() == "o"]
-    assert all(later > answers.SAME_POINT_RATIO * earlier for earlier, later in pairwise(costs))
-    (floored,) = answers.draw_choice("walker", candidates, found, (), 0.5).axes
+    assert [text.partition(":")[0] for text in told[:-1]] == ["5 %"]
+    assert "no dot for 2 % (extrapolated) and 1 % (" in told[-1]
+    (floored,) = answers.draw_choice("walker", candidates, rows, 0.5).axes
     assert not [line for line in floored.get_lines() if line.get_marker() == "o"]

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from walkergen.commands.accuracy import cell_estimates, machine_speed, step_ladder
@@ -17,8 +17,6 @@ from walkergen.core.tolerance import Tolerance
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from walkergen.commands.accuracy.figures import Mark
-
 ERROR_LEVELS = tuple(Tolerance(share, True) for share in (0.2, 0.1, 0.05, 0.02, 0.01))
 """Errors listed on the page."""
 
@@ -31,8 +29,8 @@ SOURCE_BUDGET = "now"
 DOUBLE_STEP_RATIO = 1.9
 """Smallest ratio of two steps on a ladder that counts as a factor of two."""
 
-SAME_POINT_RATIO = 1.2
-"""Largest ratio of CPU times at which two choices share one point of the figure."""
+FREE_RATIO = 1.1
+"""Largest ratio of waiting times at which the smaller of two errors counts as free."""
 
 MAX_BUDGET_S = 86_400.0
 """Longest time, s, that is recommended for a survey."""
@@ -45,12 +43,24 @@ def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) ->
     """Return answers for all ERROR_LEVELS from the stored cells. The answer within an `accepted` error is marked."""
     candidates = estimate.candidates(machine_speed.cpu_per_s())
     found = [find_in_cells(estimate, candidates, wanted) for wanted in ERROR_LEVELS]
+    found, free = drop_free(found)
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)
 
     def draw() -> "Figure":
-        return draw_choice(f"{title} ({estimate.known})", candidates, found, marks=(), floor=estimate.law.floor)
+        return draw_choice(f"{title} ({estimate.known})", candidates, rows, floor=estimate.law.floor)
 
-    return Answers(rows, [*describe(estimate), *unmet], draw)
+    return Answers(rows, [*free, *describe(estimate), *unmet], draw)
+
+
+def drop_free(found: Sequence[AnswerAndChoice]) -> tuple[list[AnswerAndChoice], list[str]]:
+    """Return answers without the largest errors that save no time, and a line that says so, if there are any."""
+    kept = list(found)
+    while kept[1:] and (kept[1][0].expected_s or math.inf) <= FREE_RATIO * (kept[0][0].expected_s or 0.0):
+        del kept[0]
+    if len(kept) == len(found):
+        return kept, []
+    least, wait_s = kept[0][0].error, kept[0][0].expected_s or 0.0
+    return kept, [f"Errors above {least} save no time: {least} takes {formatting.format_duration(wait_s)}."]
 
 
 def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: Tolerance) -> AnswerAndChoice:
@@ -102,17 +112,13 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     candidates = [survey.to_candidate(one) for one in measured]
     estimate = cell_estimates.estimate(survey.design, survey.scene)
     shipped_candidates = estimate.candidates(machine_speed.cpu_per_s())
-    found = [
-        _refine(find_in_cells(estimate, shipped_candidates, wanted)[0], candidates, survey) for wanted in ERROR_LEVELS
-    ]
+    found, free = drop_free(
+        [_refine(find_in_cells(estimate, shipped_candidates, wanted)[0], candidates, survey) for wanted in ERROR_LEVELS]
+    )
     rows, unmet = mark_accepted([answer for answer, _ in found], survey.scene.run.accepted_error)
     refined = [str(row.error) for row in rows if row.known == SOURCE_BUDGET]
-    marks = [
-        (one.label, one.cpu_s, bias._replace(value=abs(bias.number) / survey.unit, se=bias.pair[1] / survey.unit))
-        for one in measured
-        if (bias := survey.bias(one)).known and one is not reference
-    ]
     lines = [
+        *free,
         f"Reference: {step_ladder.format_reference(survey)}",
         f"Measured within this budget: {', '.join(refined) or 'no row'}. The others are shipped values.",
         *describe(estimate),
@@ -122,7 +128,7 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     def draw() -> "Figure":
         floor = reference.speed.half_width() / survey.unit
         known = [one for one in candidates if math.isfinite(one.bias)]
-        return draw_choice(title, known, found, marks, floor)
+        return draw_choice(title, known, rows, floor)
 
     return Answers(rows, lines, draw)
 
@@ -132,7 +138,8 @@ def _refine(stored: Answer, candidates: Sequence[Candidate], survey: Survey) -> 
     wanted = stored.error
     choice = choose_measured(candidates, wanted.value)
     if choice is None:
-        return stored._replace(why=f"{stored.why} This budget: {advise_budget(candidates, wanted, survey)}"), None
+        advice = advise_budget(candidates, wanted, survey)
+        return stored._replace(why=f"{stored.why.rstrip('.')}. This budget: {advice}"), None
     return _make_answer(wanted, choice, SOURCE_BUDGET), choice
 
 
@@ -170,26 +177,23 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
     return f"{accuracy}. Measure longer: ‹budget=›{formatting.format_budget(needed_s)}"
 
 
-def draw_choice(
-    title: str, candidates: Sequence[Candidate], found: Sequence[AnswerAndChoice], marks: "Sequence[Mark]", floor: float
-) -> "Figure":
-    """Draw candidates, the answers `found`, and measured biases (`marks`), down to the reference's error `floor`."""
+def draw_choice(title: str, candidates: Sequence[Candidate], rows: Sequence[Answer], floor: float) -> "Figure":
+    """Draw candidates and the answers of the table, down to the reference's error `floor`."""
     from walkergen.commands.accuracy import figures
 
-    points = [figures.Point(*point) for point in _list_points(found, floor)]
-    return figures.choice_figure(figures.FigureData(title, candidates, marks, points, floor))
+    shown = [row for row in rows if row.expected_s is not None and row.error.value >= floor]
+    absent = [
+        f"{row.error} ({'no setting is known' if row.expected_s is None else 'extrapolated'})"
+        for row in rows
+        if row not in shown
+    ]
+    points = [figures.Point(row.error.value, row.expected_s or 0.0, _describe_wait(row)) for row in shown]
+    costs = [_describe_wait(row).replace(":", " takes") for row in dict.fromkeys((*shown[:1], *shown[-1:]))]
+    message = f"Accuracy of {title}" + (f": {', '.join(costs)}" if costs else "")
+    cores = os.cpu_count() or 1
+    return figures.choice_figure(figures.FigureData(message, candidates, points, absent, floor, cores))
 
 
-def _list_points(found: Sequence[AnswerAndChoice], floor: float) -> Iterator[tuple[float, float, str]]:
-    """Yield error, CPU time and label of choices. Choices of similar cost are one point, at the error of the last."""
-    groups: list[list[tuple[Answer, Choice]]] = []
-    for answer, choice in found:
-        if choice is not None:
-            if not groups or choice.cpu_s > SAME_POINT_RATIO * groups[-1][0][1].cpu_s:
-                groups.append([])
-            groups[-1].append((answer, choice))
-    for same in groups:
-        answer, choice = same[-1]
-        if choice.error >= floor:
-            errors = ", ".join(str(one.error).removesuffix(" %") for one, _ in same)
-            yield choice.error, choice.cpu_s, f"{errors} %: {formatting.format_duration(answer.expected_s or 0.0)}"
+def _describe_wait(row: Answer) -> str:
+    """Return an error with the time that it takes, as text."""
+    return f"{row.error}: {formatting.format_duration(row.expected_s or 0.0)}"

@@ -6,7 +6,7 @@ Errors are half-widths of 95 %, as shares of the speed, or of a fifth of the pla
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,9 @@ STARTUP_S = 1.2
 
 MIN_CURVE_S = 0.5
 """Shortest measured time of all runs of a candidate in the curve, s."""
+
+
+Seconds = TypeVar("Seconds", float, Array)
 
 
 class Candidate(NamedTuple):
@@ -74,13 +77,18 @@ class Choice(NamedTuple):
 
     def wall_time_s(self, cores: int) -> float:
         """Return the wall time of the command on an idle machine, s."""
-        return STARTUP_S + self.cpu_s / self.runs * math.ceil(self.runs / cores)
+        return wall_time_s(self.cpu_s, self.runs, cores)
 
     @property
     def reason(self) -> str:
         """Parts of the error, in words."""
         bias, se = (formatting.format_number(100.0 * part, 2) for part in (self.candidate.bias, self.se))
         return f"bias at most {bias} %, ± {se} % for the runs"
+
+
+def wall_time_s(cpu_s: Seconds, runs: int, cores: int) -> Seconds:
+    """Return the wall time, s, of a command on an idle machine whose runs take a CPU time (s) in all."""
+    return STARTUP_S + cpu_s / runs * math.ceil(runs / cores)
 
 
 def choose(candidates: Iterable[Candidate], allowed: float) -> Choice | None:

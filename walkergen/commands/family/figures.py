@@ -23,6 +23,7 @@ from walkergen.files.figures import (
     label_axes,
     new_grid,
     style,
+    wrap_text,
 )
 from walkergen.points.members import Simulated
 
@@ -54,13 +55,15 @@ def speed_figure(
     title: str,
     simulated: Sequence[Simulated] = (),
     named: bool = False,
+    note: str = "",
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
     One dashed line is the theory, of flexible legs if there are any. Kinds without a curve have
     bars as bounds, as walkers that require runs have. Walkers whose legs follow no common tilt
     are drawn side by side, `named`. Simulated speeds are open symbols with their bounds of
-    95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
+    95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed. The
+    legend has the `note` as its title.
     """
     figure, (axes,) = new_grid(title, count=1, across=1, height=3.3, width=COLUMN_INCHES)
     positions = range(len(rows)) if named else [row.tilt_deg for row in rows]
@@ -88,9 +91,8 @@ def speed_figure(
         axes, "legs as designed" if named else "tilt of the legs (deg)", f"{'' if mixed else 'predicted '}speed (mm/s)"
     )
     _set_limits(axes, walkers, named)
-    figure.legend(
-        legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=0.8, handlelength=1.6
-    )
+    looks: Any = {"columnspacing": 0.8, "handlelength": 1.6, "title": wrap_text(note, COLUMN_INCHES - 0.1) or None}
+    figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=2, **looks)
     return figure
 
 

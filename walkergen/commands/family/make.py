@@ -132,7 +132,7 @@ def run(request: FamilyRequest, progress: Progress, expect: Expect) -> FamilyRep
         if request.simulate or shown is not None:
             _report(request, inputs, walkers, path, shown).write(folder, request.pictures)
         if request.pictures:
-            folder.write("preview.png", _preview_png(inputs.design.name, walkers, request.speeds))
+            folder.write("preview.png", _preview_png(inputs, walkers, request.speeds))
             if (picture := _trace_picture(inputs.design)) is not None:
                 folder.write("taken.png", picture)
         facts = _facts(request, inputs, layout, time.perf_counter() - started)
@@ -193,7 +193,7 @@ def _trace_picture(design: Design) -> bytes | None:
     return None if source is None else figures.png(traced_outline.draw_outline(source), dpi=100)
 
 
-def _preview_png(name: str, walkers: Sequence[Member], speeds: bool) -> bytes:
+def _preview_png(inputs: FamilyInputs, walkers: Sequence[Member], speeds: bool) -> bytes:
     """Return a picture (PNG) of all members, side by side, with their speeds if `speeds` and if they are few."""
     from walkergen.commands.family import preview
     from walkergen.files import figures
@@ -203,7 +203,9 @@ def _preview_png(name: str, walkers: Sequence[Member], speeds: bool) -> bytes:
     parts = [
         preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, captions, strict=True)
     ]
-    return figures.png(preview.preview_figure(parts, name), dpi=150)
+    title = speed_table.count_walkers(inputs.design.name, walkers)
+    title += f" and how they run on {inputs.scene.name}" if described else ""
+    return figures.png(preview.preview_figure(parts, title), dpi=150)
 
 
 def _chart_data(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> ChartData:

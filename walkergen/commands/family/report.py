@@ -109,8 +109,12 @@ def _figure(design: Design, scene: Scene, walkers: Sequence[Member], shown: Char
     """Return a function that draws speed against tilt."""
     drive, contact = scene.drive, scene.contact
     shaken = drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g"
-    title = (
-        f"{design.name}: {shaken}, "
+    others = {"simulated": any(one.simulated for one in walkers), "measured": shown.measured is not None}
+    kinds = " and ".join(["predicted", *(kind for kind, drawn in others.items() if drawn)])
+    kinds = f", {kinds}" if any(others.values()) else ""
+    title = f"{design.name} on {scene.name} ({shaken}){kinds}: {speed_table.describe_fastest(walkers)}"
+    title = title.replace(" %", "\N{NO-BREAK SPACE}%")
+    note = (
         f"{contact.origin}: restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
         f"friction {contact.friction:g} ± {contact.friction_sd:g}"
     )
@@ -120,6 +124,6 @@ def _figure(design: Design, scene: Scene, walkers: Sequence[Member], shown: Char
         from walkergen.commands.family import figures
 
         rows = [member.row for member in walkers]
-        return figures.speed_figure(rows, shown, title, simulated, not design.has_family_tilt)
+        return figures.speed_figure(rows, shown, title, simulated, not design.has_family_tilt, note)
 
     return draw

@@ -180,7 +180,15 @@ def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure
     low, high = (rows[end] if end in columns else unknown for end in (picture.low, picture.high))
     values = {key: columns[key] for key in keys}
     shown = Columns(values, rows[picture.value], low, high, columns[STATUS_KEY], picture.label)
-    best, name = int(np.nanargmax(shown.value)), picture.name_and_unit[0]
+    best, (name, unit) = int(np.nanargmax(shown.value)), picture.name_and_unit
     varied = [scale for scale in (scales.make_scale(key, values[key]) for key in keys) if len(scale.values) > 1]
-    at = ", ".join(scales.format_value(scale, int(scale.indices[best]), scale.unit == "") for scale in varied)
-    return figures.draw_figure(shown, keys, f"{name[:1].upper()}{name[1:]} of {rows.title}: highest at {at}")
+    found = [scales.format_value(scale, int(scale.indices[best]), scale.unit == "") for scale in varied]
+    at = ", ".join(map(_keep_together, found))
+    most = f"{format_number(shown.value[best], 3)} {unit}".rstrip()
+    title = f"{name[:1].upper()}{name[1:]} of {rows.title}: highest, {_keep_together(most)}, at {at}"
+    return figures.draw_figure(shown, keys, title)
+
+
+def _keep_together(text: str) -> str:
+    """Return the text with spaces at which no line is broken."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
