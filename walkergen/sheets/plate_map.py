@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.transforms import Bbox
 
 from walkergen.core.numerics import Array
-from walkergen.core.printing.packing import Plate
+from walkergen.core.printing.packing import Placement, Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
@@ -55,6 +55,8 @@ LEG_CLEARANCE_MM = 1e-3
 """Height above the body from which on a mesh counts as legs, mm: more than the rounding errors of a mesh."""
 LETTER_WIDTH_RATIO = 0.65
 """Width of a letter over the height of the font."""
+ARROW_SHARE, MIN_ARROW_MM = 0.8, 0.8
+"""Length of the arrow of a part's run over the gap between parts, and its smallest length, mm."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
@@ -82,12 +84,12 @@ def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh]
     scale = MAP_INCHES / max(area.width, area.height)
     labels = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     count = f"{len(plate.placements)} part{'s' if len(plate.placements) > 1 else ''}"
-    heading = f"{title}: {count}; {labels}"
+    heading = f"{title}: {count}; {labels}" + ("; ► runs this way" if any(one.run_direction for one in members) else "")
     inset_width = 0.0 if area.x0 < 0.0 else INSET_SHARE * scale * area.width
     _set_size(figure, axes, (scale * area.width, scale * area.height), inset_width, (heading, *design_lines))
     _show_area(axes, area, printer)
     _label_parts(axes, members, meshes, plate, scale)
-    axes.set_xlabel("\n".join(("x (mm), front", *design_lines)), fontsize=FONT_PT)
+    axes.set_xlabel("\n".join(("x (mm); front of the bed", *design_lines)), fontsize=FONT_PT)
     axes.set_ylabel("y (mm)", fontsize=FONT_PT)
     axes.set_title(heading, fontsize=FONT_PT)
     figure.legend(loc="upper right", ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
@@ -171,7 +173,23 @@ def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes:
                     list(np.concatenate(triangles)), facecolors=[tone], edgecolors=[tone], linewidths=0.3, label=label
                 )
                 axes.add_collection(faces)
+    ways = [(placed, members[placed.part].run_direction, meshes[placed.part]) for placed in plate.placements]
+    arrows = [
+        _run_arrow(placed, way, mesh, max(ARROW_SHARE * printer.gap_mm, MIN_ARROW_MM))
+        for placed, way, mesh in ways
+        if way
+    ]
+    axes.add_collection(PolyCollection(arrows, facecolors="black", linewidths=0.0))
     draw_bed(axes, printer)
+
+
+def _run_arrow(placed: Placement, way: int, mesh: Mesh, length: float) -> Array:
+    """Return the corners of an arrow at the end of a part to which it runs, shape (3, 2). `way`: 1 to the right."""
+    width, depth = np.ptp(mesh.vertices, axis=0)[:2]
+    x = placed.x + (width if way > 0 else 0.0)
+    triangle = np.array([[0.1 * way, -0.5], [1.1 * way, 0.0], [0.1 * way, 0.5]])
+    corners: Array = length * triangle + (x, placed.y + 0.5 * depth)
+    return corners
 
 
 def draw_bed(axes: Axes, printer: Printer) -> None:

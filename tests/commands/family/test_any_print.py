@@ -289,7 +289,7 @@ def test_previews_keep_the_order_of_the_table_and_have_a_ruler(count):
     assert [label.get_text() for label in labels] == [part.label for part in parts]
     places = [label.xy for label in labels]
     assert sorted(places, key=lambda place: (-place[1], place[0])) == places
-    assert ruler.get_text() == "10 mm along the body, forward"
+    assert ruler.get_text() == "10 mm along the body"
     (bar,) = axes.lines
     (x0, x1), (y0, y1) = bar.get_data()
     along = preview.SIDE_CAMERA[:2, 0] * 10.0  # of the projection, not of the paper

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import threemf
 
+from walkergen.commands.family import preview
 from walkergen.commands.plate import order_list
 from walkergen.core.errors import InputError
 from walkergen.core.printing import checks, packing, plates
@@ -291,3 +292,34 @@ def test_a_list_from_a_spreadsheet_has_a_byte_order_mark_and_its_own_line_ends(l
     path = lists / "orders.csv"
     path.write_bytes(b"\xef\xbb\xbf" + (HEADER + '"koumakis2016",5,,2\n').replace("\n", "\r\n").encode())
     assert order_list.read_orders(path) == ([PAPER.variant(tilt_deg=5.0)], [2])
+
+
+def test_map_preview_and_sheet_say_where_each_walker_runs(monkeypatch):
+    """On its side and upside down x stays, so that forward is to the right; a walker that turns has no direction."""
+    drawn = []
+    monkeypatch.setattr(plate_map.figures, "png", lambda figure, dpi: drawn.append(figure) or b"")
+    rotator = templates.load("rotator", "walkers", Design)
+    letters = Design.from_text("NA")
+    members = [PAPER.variant(tilt_deg=tilt) for tilt in (-10.0, 0.0, 10.0)] + [letters, rotator]
+    assert [one.run_direction for one in members] == [-1, 0, 1, 1, 0]
+    assert PAPER.variant(kind="braced").run_direction == 0
+    layout = plates.arrange(members, [solids.build(one) for one in members], [1] * 5, PRINTER)
+    plate_map.draw_map(PRINTER, members, layout.meshes, layout.plates[0], "p")
+    arrows = drawn[0].axes[0].collections[-1].get_paths()
+    placed = [one for one in layout.plates[0].placements if members[one.part].run_direction]
+    for one, path in zip(placed, arrows, strict=True):
+        part, (tail, tip, _, *_) = layout.parts[one.part], path.vertices
+        forward = members[one.part].run_direction > 0
+        assert (tip[0] > tail[0] > one.x + part.width) if forward else (tip[0] < tail[0] < one.x)
+        assert tip[1] == pytest.approx(one.y + 0.5 * part.depth)
+    assert "runs this way" in drawn[0].axes[0].get_title()
+    sheet = dict(plates.layout_files(layout, "p", draw=None))["p_prusa-mk3s.md"].decode()
+    assert [sheet.count(f"| {words} |") for words in ("to the left, -x on the bed", "in no direction")] == [1, 2]
+    parts = [
+        preview.Part(one, one_built.walker, way=one.run_direction)
+        for one, one_built in zip(members, layout.built, strict=True)
+    ]
+    (axes,) = preview.preview_figure(parts, "all").axes
+    assert [part.arrow.shape for part in parts] == [(2, 3), (0, 3), (2, 3), (2, 3), (0, 3)]
+    assert len(axes.patches) == 3
+    assert axes.texts[-1].get_text().endswith("arrows: where they run")

@@ -201,11 +201,20 @@ def _preview_png(inputs: FamilyInputs, walkers: Sequence[Member], speeds: bool) 
     described = speeds and len(walkers) <= preview.MAX_LARGE_PARTS
     captions = [prediction.describe_briefly(member.row) if described else "" for member in walkers]
     parts = [
-        preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, captions, strict=True)
+        preview.Part(member.design, member.mesh, speed=text, way=_run_direction(member, speeds))
+        for member, text in zip(walkers, captions, strict=True)
     ]
     title = speed_table.count_walkers(inputs.design.name, walkers)
     title += f" and how they run on {inputs.scene.name}" if described else ""
     return figures.png(preview.preview_figure(parts, title), dpi=150)
+
+
+def _run_direction(member: Member, speeds: bool) -> int:
+    """Return 1 for a walker that runs forward, -1 for backward, 0 if it stands: by its speed or, without, its legs."""
+    speed = member.row.speed.value if speeds else None
+    if speed is None:
+        return member.design.run_direction
+    return 0 if prediction.is_standing(member.row) else int(math.copysign(1, speed))
 
 
 def _chart_data(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> ChartData:

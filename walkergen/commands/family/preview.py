@@ -29,6 +29,9 @@ largest ratio of the sheet's height to its width."""
 MAX_SCALE_BAR_SHARE = 0.4
 """Largest length of the scale bar relative to the body's."""
 
+ARROW_SHARE, ARROW_GAP_MM = 0.5, 2.0
+"""Length of the arrow of a run over that of the walker, and its distance from the walker, mm."""
+
 SEAM_WIDTH_PT = 0.8
 """Width of the edges of triangles, points, in their own colour: 1.7 pixels hide the seams."""
 
@@ -54,6 +57,19 @@ class Part(NamedTuple):
     """Speed in words, in a line below that."""
     low: bool = False
     """True to show a body in plan view from the same height as other bodies, with its legs."""
+
+    way: int = 0
+    """1 for a walker that runs forward, -1 for one that runs backward, which an arrow on the plate shows, else 0."""
+
+    @property
+    def arrow(self) -> Array:
+        """Tail and tip of the arrow on the plate before the walker, shape (2, 3); shape (0, 3) if it does not run."""
+        if self.way == 0:
+            return np.empty((0, 3))
+        low, high = self.mesh.vertices.min(axis=0), self.mesh.vertices.max(axis=0)
+        half = 0.5 * ARROW_SHARE * self.way * (high[0] - low[0])
+        middle = np.array([0.5 * (low[0] + high[0]), low[1], high[2] + ARROW_GAP_MM])
+        return middle + np.array([[-half, 0.0, 0.0], [half, 0.0, 0.0]])
 
     @property
     def label(self) -> str:
@@ -88,6 +104,11 @@ class Part(NamedTuple):
         return tile, [to_mesh_frame(square, top) for square in caps.black_rectangles(cap)]
 
     @property
+    def attached(self) -> list[Array]:
+        """Corners of everything that is drawn with the walker, shapes (n, 3)."""
+        return [*(one.vertices for one in self.carried.values()), *(self.cap or ())[:1], self.arrow]
+
+    @property
     def view(self) -> Array:
         """Camera that shows the shape. Bodies in plan view are seen from higher above."""
         return TOP_CAMERA if self.design.body.flat and not self.low else SIDE_CAMERA
@@ -108,11 +129,7 @@ LIGHT_DIRECTION = np.array([-0.35, 0.75, 0.56])
 @style()
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     """Draw all parts with labels, in rows in the order of the table. Many parts are drawn closer."""
-    screens = [
-        np.concatenate([part.mesh.vertices, *(one.vertices for one in part.carried.values()), *((part.cap or ())[:1])])
-        @ part.view.T
-        for part in parts
-    ]
+    screens = [np.concatenate([part.mesh.vertices, *part.attached]) @ part.view.T for part in parts]
     size = np.max([np.ptp(screen, axis=0) for screen in screens], axis=0)
     inches = PART_INCHES if len(parts) <= MAX_LARGE_PARTS else SMALL_PART_INCHES
     scale = inches / (1.12 * size[0])
@@ -141,7 +158,8 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     axes.set_xlim(low, high)
     axes.set_ylim(bottom, top)
     axes.set_axis_off()
-    _draw_scale_bar(axes, parts[0], np.array([low + 1.5 * line, bottom + 2.0 * line]))
+    arrows = any(part.way for part in parts)
+    _draw_scale_bar(axes, parts[0], np.array([low + 1.5 * line, bottom + 2.0 * line]), arrows)
     figure.suptitle(title, fontsize=LABEL_SIZE_PT + 2.0)
     return figure
 
@@ -154,15 +172,13 @@ def _arrange_rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
     return [kind[i : i + row_length] for kind in kinds for i in range(0, len(kind), row_length)]
 
 
-def _draw_scale_bar(axes: Axes, part: Part, at: Array) -> None:
-    """Draw a scale bar with its length from `at` along the bodies, as projected; it points forward."""
+def _draw_scale_bar(axes: Axes, part: Part, at: Array, arrows: bool) -> None:
+    """Draw a scale bar with its length from `at` along the bodies, as projected. `arrows`: whether arrows are drawn."""
     length = nice_floor(MAX_SCALE_BAR_SHARE * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
-    ends = (at[0], at[1]), (end[0], end[1])
-    axes.add_patch(FancyArrowPatch(*ends, arrowstyle="-|>", color="black", mutation_scale=12.0, shrinkA=0, shrinkB=0))
     axes.annotate(
-        f"{length:g} mm along the body, forward",
+        f"{length:g} mm along the body" + ("; arrows: where they run" if arrows else ""),
         (end[0], end[1]),
         xytext=(8, 0),
         textcoords="offset points",
@@ -200,8 +216,7 @@ def _project_part(part: Part, at: Array) -> _View:
         lowest = standing[facing][:, :, 1].min(axis=1)
         layer = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
     order = np.lexsort([corners[:, :, 2].mean(axis=1), layer])
-    attached = [*(mesh.vertices for mesh in part.carried.values()), *(part.cap or ())[:1]]
-    seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in attached)])
+    seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in part.attached)])
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT_DIRECTION, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(LEG_COLOURS[part.design.kind]), 0.0, 1.0)[order]
@@ -209,7 +224,11 @@ def _project_part(part: Part, at: Array) -> _View:
 
 
 def _draw_attachments(axes: Axes, part: Part, shift: Array) -> None:
-    """Draw the cap and the carried parts of a part, shifted by `shift` (x, y) in the picture."""
+    """Draw the arrow, the cap and the carried parts of a part, shifted by `shift` (x, y) in the picture."""
+    if part.way:
+        tail, tip = ((float(x), float(y)) for x, y in (part.arrow @ part.view.T)[:, :2] + shift)
+        looks: Any = {"arrowstyle": "-|>", "color": "black", "mutation_scale": 12.0, "shrinkA": 0, "shrinkB": 0}
+        axes.add_patch(FancyArrowPatch(tail, tip, linewidth=1.5, **looks))
     cap, carried = part.cap, {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
     if cap is None and not carried:
         return

@@ -31,6 +31,9 @@ def describe_orientation(design: Design, is_supported: bool) -> str:
     return f"{LEGS_UP_TEXT}, {'supports from the bed under the body' if is_supported else 'no supports'}"
 
 
+RUN_DIRECTIONS = {1: "to the right, +x on the bed", -1: "to the left, -x on the bed", 0: "in no direction"}
+"""Directions in which walkers run, as they lie on the bed, by the design's `run_direction`."""
+
 OUTLINE_SPEED_MM_S, LINE_SPEED_MM_S = 20.0, 43.0
 """Time of a layer: its outline at the first speed, all its lines at the second, mm/s. Fitted to PrusaSlicer 2.5's own
 times at its default speeds: the shipped walkers, 1 to 20 of them, on four printers, in layers of 0.1 to 0.3 mm."""
@@ -234,10 +237,14 @@ def _contents_table(batch: Batch) -> str:
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
         # Copies with serial numbers are parts of their own, under one name
-        counts = Counter(batch.parts[placement.part].name for placement in plate.placements)
-        for name, copies in counts.items():
-            rows.append((f"`{batch.stem}_{number}{packing.plate_suffix()}`", f"`{name}`", str(copies)))
-    return markdown_table(("file", "part", "copies"), rows)
+        counts = Counter(
+            (batch.parts[placement.part].name, batch.members[placement.part].run_direction)
+            for placement in plate.placements
+        )
+        for (name, direction), copies in counts.items():
+            way = RUN_DIRECTIONS[direction]
+            rows.append((f"`{batch.stem}_{number}{packing.plate_suffix()}`", f"`{name}`", str(copies), way))
+    return markdown_table(("file", "part", "copies", "legs lean for a run"), rows)
 
 
 def _plastic_table(batch: Batch, loads: Sequence[Load]) -> str:

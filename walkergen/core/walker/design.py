@@ -124,6 +124,12 @@ class Design(WalkerSpec):
         return all(limb.rigid for limb in self.limbs)
 
     @property
+    def run_direction(self) -> int:
+        """1 if the flexible legs lean for a run forward, along x, -1 if backward, 0 if neither or some of each."""
+        signs = {math.copysign(1, limb.tilt) for limb in self.limbs if limb.tilt != 0.0 and not limb.rigid}
+        return int(sum(signs))
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Messages on changes to the body's file, its assumed size and the positions of automatic legs."""
         remarks = [*self.shape.changes, *filter(None, [self.shape.assumption])]
