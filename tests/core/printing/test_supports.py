@@ -1,8 +1,13 @@
 """Supports and brim: one decision for sheet, settings and findings, and what PrusaSlicer makes of it."""
 
+import io
 import json
+import math
+import zipfile
+from xml.etree import ElementTree
 
 import maker_profile
+import numpy as np
 import pytest
 import trimesh
 from slicing import slice_model
@@ -16,6 +21,9 @@ from walkergen.files import templates
 MK3S = templates.load("prusa-mk3s", "printers", Printer)
 HEART = "M15 27C0 15 0 0 8 1 12 1 15 5 15 7 15 5 18 1 22 1 30 0 30 15 15 27Z"
 TEE = [[-14.0, -1.5], [14.0, -1.5], [14.0, 1.5], [3.0, 1.5], [3.0, 8.0], [-3.0, 8.0], [-3.0, 1.5], [-14.0, 1.5]]
+
+
+KINDS = ("duck", "tee", "letters", "heart")
 
 
 def make_design(kind: str, folder) -> Design:
@@ -88,8 +96,35 @@ def test_a_single_change_is_no_plural(tmp_path):
     assert "1 change, limit 0 changes" in repair.text
 
 
+FACES = [np.roll(np.eye(3), k, axis=1) @ np.diag([sign, 1.0, sign]) for k in range(3) for sign in (1.0, -1.0)]
+"""Rotations that lay each of the six sides of a part on the bed."""
+
+
+@pytest.mark.parametrize("kind", ["duck", "tee", "letters", "heart", *templates.names("walkers")])
+def test_supports_are_on_only_where_no_side_of_six_prints_without(tmp_path, kind):
+    """A walker lies on its side or upside down. Where that needs supports, each of the six sides would need more."""
+    design = make_design(kind, tmp_path) if kind in KINDS else templates.load(kind, "walkers", Design)
+    mesh = solids.build(design).walker
+    lying = solids.orient_for_print(design, mesh)
+    if supports.is_needed(design, lying):
+        for face in FACES:
+            assert np.linalg.det(face) == pytest.approx(1.0)
+            assert steep_area(mesh._replace(vertices=mesh.vertices @ face.T)) > 10.0 * supports.MIN_OVERHANG_MM2
+    elif not design.parts:  # rims of pockets are bridges
+        assert steep_area(lying) < 10.0 * supports.MIN_OVERHANG_MM2
+
+
+def steep_area(mesh) -> float:
+    """Area of the faces over air that look down by more than 45 deg, mm^2."""
+    corners = mesh.vertices[mesh.triangles]
+    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas, down = np.linalg.norm(normals, axis=1), -normals[:, 2]
+    in_air = corners[:, :, 2].max(axis=1) > mesh.vertices[:, 2].min() + 0.02
+    return float(areas[in_air & (down > 1.0001 * areas * math.sqrt(0.5))].sum())
+
+
 def count_support_blocks(folder) -> int:
-    """Slice the plate with its own print settings, and count the blocks of support."""
+    """Slice the plate with the print settings next to it, and count the blocks of support."""
     result = slice_model(folder / "p_prusa-mk3s_1.3mf", folder / "p_prusa-mk3s_print.ini")
     assert result.returncode == 0, result.stdout + result.stderr
     return (folder / "p_prusa-mk3s_1.gcode").read_text().count(";TYPE:Support")
@@ -104,3 +139,32 @@ def test_the_slicer_prints_supports_where_the_sheet_says_so(tmp_path, kind):
     # those that need none get none on a plate with another part that needs them
     (tmp_path / "p_prusa-mk3s_print.ini").write_bytes(slicer.prusaslicer_print(layout.printer, has_supports=True))
     assert (count_support_blocks(tmp_path) > 0) == any(layout.supported)
+
+
+@pytest.mark.slow
+@pytest.mark.programs
+@pytest.mark.parametrize("kind", ["duck", "tee"])
+def test_the_3mf_alone_switches_supports_on(tmp_path, kind):
+    """Whatever the print settings say: a maker who keeps a preset of the slicer's own has them too."""
+    layout = write_plate([make_design(kind, tmp_path)], tmp_path)[0]
+    (tmp_path / "p_prusa-mk3s_print.ini").write_bytes(slicer.prusaslicer_print(layout.printer, has_supports=False))
+    assert (count_support_blocks(tmp_path) > 0) == (kind == "duck")
+
+
+@pytest.mark.parametrize("prusaslicer", [False, True])
+def test_the_3mf_names_the_parts_with_supports(tmp_path, prusaslicer):
+    designs = [make_design(kind, tmp_path) for kind in ("heart", "duck")]
+    layout = plates.arrange(designs, [solids.build(design) for design in designs], [1, 2], MK3S)
+    files = dict(plates.layout_files(layout, "p", None, prusaslicer))
+    with zipfile.ZipFile(io.BytesIO(files["p_prusa-mk3s_1.3mf"])) as archive:
+        orca, prusa = (
+            ElementTree.fromstring(archive.read(f"Metadata/{name}.config"))
+            for name in ("model_settings", "Slic3r_PE_model")
+        )
+    found = [{each.get("key"): each.get("value") for each in one.findall("metadata")} for one in orca.findall("object")]
+    assert [one["name"].partition("_")[0] for one in found] == ["heart", "duck", "duck"]
+    assert [one.get("enable_support") for one in found] == [None, "1", "1"]
+    (duck,) = prusa.findall("object")  # a solid with two copies
+    settings = {each.get("key"): each.get("value") for each in duck.findall("metadata")}
+    assert settings == {"name": layout.parts[1].name, "support_material": "1", "support_material_buildplate_only": "1"}
+    assert duck.find("volume").get("lastid") == str(len(layout.meshes[1].triangles) - 1)

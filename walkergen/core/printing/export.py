@@ -28,6 +28,11 @@ PRUSASLICER_VERSION = b'<metadata name="slic3rpe:Version3mf">1</metadata><resour
 MODEL_FILE, CONTENT_TYPES_FILE = "3D/3dmodel.model", "[Content_Types].xml"
 SETTINGS_FILE = "Metadata/model_settings.config"
 """File of Bambu Studio and OrcaSlicer that names objects and plates."""
+PRUSA_SETTINGS_FILE = "Metadata/Slic3r_PE_model.config"
+"""File of PrusaSlicer with settings of objects."""
+ORCA_SUPPORTS = {"enable_support": "1", "support_on_build_plate_only": "1"}
+PRUSA_SUPPORTS = {"support_material": "1", "support_material_buildplate_only": "1"}
+"""Settings of an object with supports from the bed, which hold whatever the print settings say."""
 CONFIG_TYPE = b'<Default Extension="config" ContentType="application/xml" />'
 
 # What XML 1.0 cannot hold, escaped or not; tabs and line ends too, which attributes turn to blanks.
@@ -39,6 +44,8 @@ class Solid(NamedTuple):
 
     name: str
     mesh: Mesh
+    supports: bool = False
+    """Whether slicers are told to print it with supports from the bed."""
 
 
 class Item(NamedTuple):
@@ -87,7 +94,7 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
         if name != solid_name:
             mesh, shown_object = shown_object, _add_copy(model, shown_object, name, title, number)
             ids = shown_object.GetModelResourceID(), mesh.GetModelResourceID()
-            named.append(_Named(name, solid_name, *ids))
+            named.append(_Named(name, solid_name, *ids, solids[item.solid]))
         transform = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
         built = model.AddBuildItem(shown_object, transform)
         built.SetPartNumber(name)
@@ -97,6 +104,8 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
     files = _unzip_files(bytes(model.QueryWriter("3mf").WriteToBuffer()))
     if named:
         files[SETTINGS_FILE] = _model_settings(named, title)
+        if any(item.shape.supports for item in named):
+            files[PRUSA_SETTINGS_FILE] = _prusa_settings(named)
         files[CONTENT_TYPES_FILE] = files[CONTENT_TYPES_FILE].replace(b"</Types>", CONFIG_TYPE + b"</Types>", 1)
     return _zip_files(files)
 
@@ -140,15 +149,29 @@ class _Named(NamedTuple):
     number: int
     """Number of its object in the file."""
     solid_number: int
+    shape: Solid
+
+
+def _prusa_settings(named: Sequence[_Named]) -> bytes:
+    """Return the file from which PrusaSlicer reads that solids have supports. It lists their triangles as volumes."""
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
+    for item in {item.solid_number: item for item in named if item.shape.supports}.values():
+        lines.append(f' <object id="{item.solid_number}" instances_count="1">')
+        for key, value in ({"name": item.solid} | PRUSA_SUPPORTS).items():
+            lines.append(_metadata_element(key, value, ' type="object"'))
+        lines.append(f'<volume firstid="0" lastid="{len(item.shape.mesh.triangles) - 1}">')
+        lines += [_metadata_element("name", item.solid, ' type="volume"'), "</volume></object>"]
+    return "\n".join([*lines, "</config>", ""]).encode()
 
 
 def _model_settings(named: Sequence[_Named], title: str) -> bytes:
     """Return the file from which Bambu Studio and OrcaSlicer read the names of copies and of their plate, `title`."""
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
     for item in named:
+        supports = ORCA_SUPPORTS if item.shape.supports else {}
         lines += [
             f'  <object id="{item.number}">',
-            f"    {_metadata_element('name', item.name)}",
+            *(f"    {_metadata_element(*pair)}" for pair in ({"name": item.name} | supports).items()),
             f'    <part id="{item.solid_number}" subtype="normal_part">',
             f"      {_metadata_element('name', item.solid)}",
             "    </part>",
@@ -168,8 +191,8 @@ def _model_settings(named: Sequence[_Named], title: str) -> bytes:
     return "\n".join([*lines, "  </plate>", "</config>", ""]).encode()
 
 
-def _metadata_element(key: str, value: str) -> str:
-    return f"<metadata key={quoteattr(key)} value={quoteattr(value)}/>"
+def _metadata_element(key: str, value: str, kind: str = "") -> str:
+    return f"<metadata{kind} key={quoteattr(key)} value={quoteattr(value)}/>"
 
 
 @cache

@@ -36,6 +36,8 @@ class Part(NamedTuple):
     copies: int
     serial: int | None = None
     """Number of its only copy; None if copies are alike, and numbered from 1."""
+    supports: bool = False
+    """Whether it prints with supports from the bed."""
 
     @classmethod
     def from_mesh(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
@@ -129,7 +131,7 @@ def plate_3mf(
     """
     used = sorted({placement.part for placement in plate.placements})
     solid_of = {part: number for number, part in enumerate(used)}
-    solids = [export.Solid(parts[part].solid_name, meshes[part]) for part in used]
+    solids = [export.Solid(parts[part].solid_name, meshes[part], parts[part].supports) for part in used]
     left, front = printer.bed_corner
     items = [
         export.Item(solid_of[part], item_name(parts[part], copy), left + x, front + y)

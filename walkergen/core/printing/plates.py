@@ -78,11 +78,12 @@ def layout_without_plates(
 ) -> Layout:
     """Return the layout of members, their solids (`built`) and numbers of copies before packing and checks."""
     meshes = orient_for_print(members, built)
-    parts = [
-        packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)
-        for design, name, mesh, count in zip(members, names.part_names(members), meshes, copies, strict=True)
-    ]
     supported = [supports.is_needed(design, mesh) for design, mesh in zip(members, meshes, strict=True)]
+    rows = zip(members, names.part_names(members), meshes, copies, supported, strict=True)
+    parts = [
+        packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)._replace(supports=is_on)
+        for design, name, mesh, count, is_on in rows
+    ]
     return Layout(supports.add_brim(printer, meshes, supported), members, built, meshes, parts, [], [], supported)
 
 
