@@ -128,6 +128,22 @@ def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_pa
     assert json.loads((folder / "manifest.json").read_text())["counts"] == [6, 4]
 
 
+@pytest.mark.parametrize("pictures", [True, False])
+def test_the_forecast_and_the_bar_count_the_pictures(walking, monkeypatch, tmp_path, pictures):
+    monkeypatch.setattr(crowd_space, "cpu_seconds", lambda request, population: 6.0)
+    told, heard = [], []
+    values = {"count": 4, "seconds": 1, "runs": 2, "threads": 2, "pictures": pictures, "out": tmp_path / "dish"}
+    asked = CrowdRequest.from_values(values)
+    asked.register_time_callback(lambda find: heard.append(find().seconds))
+    asked.run(lambda *progress: told.append(progress))
+    assert heard == [6.0 + make.PICTURES_S * pictures]
+    shares = [done / total for _, done, total in told]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    begun = {what: share for (what, *_), share in reversed(list(zip(told, shares, strict=True)))}
+    assert begun["pictures" if pictures else "tables"] == pytest.approx(6.0 / heard[0], abs=0.01)
+
+
 def test_any_number_of_threads_gives_the_same_bytes(run, walking, tmp_path):
     written = []
     for threads in ("1", "3"):

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from walkergen.core import Expect, Expected, Progress, Runs
+from walkergen.core.files.progress import range_progress
 from walkergen.core.measure import measure
 from walkergen.files.report import Report
 from walkergen.guests.crowd import in_space, read_population, statistics
@@ -15,6 +16,10 @@ from walkergen.points import run_time
 
 MAX_FPS = 50
 """Largest number of frames per second of a movie; tracks may have more."""
+
+PICTURES_S, RUNS_SHARE = 3.0, 0.8
+"""CPU time of the pictures, s: 2.8 to 3.0 were measured for 12 and for 40 walkers, most of it for matplotlib. Share of
+the runs in the progress of a crowd whose time is unknown."""
 
 
 def run(request: CrowdRequest, progress: Progress, expect: Expect) -> Report:
@@ -40,12 +45,21 @@ def _run_crowd(request: CrowdRequest, progress: Progress, expect: Expect) -> Rep
     folder = request.output_folder(default)
     if request.write_only:
         return report.write_inputs(request, population, folder or default)
+    pictures_s, runs_s = PICTURES_S if folder is not None and request.pictures else 0.0, 0.0
+
+    def find_time() -> Expected:
+        """Estimate the time of runs and pictures."""
+        nonlocal runs_s
+        runs_s = _runs_time(request, population)
+        return Expected(runs_s + pictures_s)
+
     if population.model == "space":
-        expect(lambda: _expected_time(request, population))
-    simulated = simulate(request, population, progress)
+        expect(find_time)
+    share = runs_s / (runs_s + pictures_s) if runs_s else RUNS_SHARE
+    simulated = simulate(request, population, range_progress(progress, 0.0, share))
     result = report.make_report(simulated, folder)
     if folder is not None:
-        result = report.write(result, folder, request.pictures, progress)
+        result = report.write(result, folder, request.pictures, range_progress(progress, share, 1.0))
     if request.movie is not None:
         fps = min(max(round(request.rate_hz), 1), MAX_FPS)
         movie.write(request.movie, simulated.films[0], result.title, fps, progress)
@@ -57,10 +71,10 @@ def _run_crowd(request: CrowdRequest, progress: Progress, expect: Expect) -> Rep
     return result
 
 
-def _expected_time(request: CrowdRequest, population: Population) -> Expected:
-    """Estimate the time that a crowd in space takes, from a short piece of a run."""
+def _runs_time(request: CrowdRequest, population: Population) -> float:
+    """Estimate the clock time of the runs of a crowd in space, s, from a short piece of a run."""
     cpu_seconds = in_space.cpu_seconds(request, population)
-    return Expected(run_time.wall_time(cpu_seconds, population.scene.run.runs, request.threads))
+    return run_time.wall_time(cpu_seconds, population.scene.run.runs, request.threads)
 
 
 def simulate(request: CrowdRequest, population: Population, progress: Progress) -> Simulated:
@@ -73,7 +87,7 @@ def simulate(request: CrowdRequest, population: Population, progress: Progress) 
     flat = population.model == "flat"
     crowd: InSpace | InPlane = (InPlane if flat else InSpace)(request, population)
     measured = measure(crowd, Runs(population.scene.run.runs), progress, request.threads)
-    progress("measuring", 99, 100)  # per cent
+    progress("measuring", 100, 100)
     films = tuple(map(crowd.film, measured.records))
     runs = () if flat else tuple(measured.records)
     return Simulated(request, population, films, runs, statistics.measure(films), measured.wall_s)

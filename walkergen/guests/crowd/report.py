@@ -150,19 +150,22 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
     OutputError
         For a file that walkergen must not replace.
     """
+    steps = 3
+    progress("pictures" if pictures else "tables", 0, steps)
     with Folder(folder) as target:
         report.write(target, pictures)
         if pictures:
             from walkergen.guests.crowd import movie  # brings matplotlib
 
             target.write("crowd.png", movie.render_still(report.simulated.films[0], report.title))
+        progress("writing tracks", 2, steps)
         for number, film in enumerate(report.simulated.films):
             if film.x.size > MAX_ROWS:
                 continue
             for suffix, to_bytes in tracks.FORMATS.items():
-                progress("writing tracks", 99, 100)  # per cent
                 target.write(f"tracks/run-{number}{suffix}", to_bytes(film))
         target.finish(manifest_inputs(report.simulated.request, report.simulated.population))
+    progress("done", steps, steps)
     return replace(report, next_step=format_next_step([folder / "crowd.png"] * pictures))
 
 
