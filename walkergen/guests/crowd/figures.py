@@ -26,7 +26,7 @@ class Panel(NamedTuple):
     names: tuple[str, ...]
     """Names of the curves; those that the crowd has are drawn."""
     chance: float | None = None
-    """Value for walkers at random."""
+    """Value for walkers at random, drawn as a level; None without one."""
 
 
 COURSE_PANELS = (

@@ -13,7 +13,7 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm
 CSV_COLUMNS = ("t_s", "particle", "x_mm", "y_mm", "theta_rad")
 
 HEIGHT_RATIO = 0.5
-"""Height of bodies in extended XYZ over their width: a film from above shows none."""
+"""Height of bodies in extended XYZ over their width: a film from above shows no height."""
 
 
 def to_csv(film: CrowdFilm) -> bytes:

@@ -23,20 +23,20 @@ DISC_CORNERS = 48
 """Corners of a round body: its area is 0.3 % too small."""
 
 MAX_OUTSIDE_SHARE = 0.02
-"""Share of the places that may lie beyond the walls: tracks err by some of a walker."""
+"""Largest share of positions outside the walls that is accepted, because tracks have errors."""
 
 MIN_SIZE_MM, MAX_SIZE_MM = 1e-3, 1e5
 """Limits of a body's sizes, and of the middle's distance from the origin, mm."""
 
 
 class FilmedCrowd(NamedTuple):
-    """Crowd to analyse."""
+    """Settings for the analysis of a filmed crowd."""
 
     dish: Dish
     contours: tuple[Array, ...]
-    """Outline of a body; empty if unknown."""
+    """Contours of a body's outline, shape (corners, 2) each, mm; empty if unknown."""
     middle: tuple[float, float]
-    """Place of the dish's middle in the tracks, mm."""
+    """Position x, y of the dish's middle in the tracks, mm."""
     others: tuple[Path, ...]
     """Tracks of other independent runs of the same crowd."""
 
@@ -50,9 +50,9 @@ def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequenc
 def analyse(
     files: Sequence[Path], units: Units, crowd: FilmedCrowd, folder: Path | None, pictures: bool, progress: Progress
 ) -> Report:
-    """Read tracks, measure the crowd and, if there is a folder, write tables and figures.
+    """Return the report of a filmed crowd from its tracks and, if there is a folder, write it there.
 
-    `files` are those of the first run.
+    `files`: tracks of the first run.
 
     Writes crowd.csv, crowd.md, tables of its course, its runs and its curves, figures as PNG and
     PDF, the last frame from above, and manifest.json. Raises InputError before anything is written.

@@ -20,7 +20,7 @@ CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
 
 MAX_TESTED_PACKING = 0.3
-"""Largest packing at which a crowd of cards was compared with the same in space (docs/crowds-flat.md)."""
+"""Largest packing at which a crowd of cards was compared with the same crowd in space (docs/crowds-flat.md)."""
 
 TESTED_RANGE = (
     f"cards were compared with walkers in space up to packing {MAX_TESTED_PACKING:g} (koumakis2016, in a square "
@@ -87,7 +87,7 @@ class InPlane(NamedTuple):
         return simulate_run
 
     def film(self, run: CrowdFilm) -> CrowdFilm:
-        """Return the film of a run, seen from above: the run itself, as nothing else of it is kept."""
+        """Return the film of a run, seen from above: `run` itself, because a run in a plane is stored as a film."""
         return run
 
     def quantities(self, records: Sequence[CrowdFilm]) -> list[Quantity]:

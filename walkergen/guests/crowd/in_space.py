@@ -25,7 +25,7 @@ MAX_WALKERS = 2000
 """Walkers of a crowd in space at most; a flat crowd has more."""
 
 COMPILE_RUN_S = 1e-6
-"""Length of a run that compiles."""
+"""Simulated time of a run that only compiles the kernels, s."""
 
 
 def make_population(
@@ -94,7 +94,7 @@ class InSpace(NamedTuple):
 
 
 def cpu_seconds(request: CrowdRequest, population: Population) -> float:
-    """Estimate the CPU seconds of one run from a short piece of run 0. Return 0 if all walkers fall in it."""
+    """Estimate the CPU seconds of one run from a short piece of run 0. Return 0 if all walkers fall in that piece."""
     plan, times = _placement_function(population)(0), list[tuple[float, float]]()
     _compile_kernels(plan, request.rate_hz)
     is_moment_over = run_time.stop_after_moment()

@@ -23,7 +23,7 @@ the runs in the progress of a crowd whose time is unknown."""
 
 
 def run(request: CrowdRequest, progress: Progress, expect: Expect) -> Report:
-    """Simulate the crowd, write its input for LAMMPS, or measure the card of a walker."""
+    """Simulate the crowd, write its input for LAMMPS, or measure the card of a walker. Return the report."""
     if request.card:
         from walkergen.guests.crowd.cards import make
 
@@ -35,7 +35,7 @@ def run(request: CrowdRequest, progress: Progress, expect: Expect) -> Report:
 
 
 def _run_crowd(request: CrowdRequest, progress: Progress, expect: Expect) -> Report:
-    """Simulate the crowd, or write its input for LAMMPS."""
+    """Simulate the crowd, or write its input for LAMMPS, and return the report."""
     from walkergen.guests.crowd import movie, report
 
     if request.movie is not None:

@@ -36,13 +36,13 @@ HUE_COUNT = 72
 """Colours of headings, even around the circle."""
 
 LIGHTNESS, CHROMA = 0.72, 0.12
-"""Of these colours in OKLab (https://bottosson.github.io/posts/oklab/): equally bright, in sRGB at every hue."""
+"""Of the headings' colours in OKLab (https://bottosson.github.io/posts/oklab/): equally bright and in sRGB."""
 
 SIMPLIFY_PX = 0.25
 """Tolerance for simplified outlines, pixels."""
 
 DART_SHAPE = np.array([(0.5, 0.0), (-0.35, 0.3), (-0.2, 0.0), (-0.35, -0.3)])
-"""Body of a walker whose outline is not known, over `pairs.length_scale` of the crowd: it points ahead."""
+"""Corners of the symbol for a walker without outline, over `_walker_size`: a dart that points along the heading."""
 
 MAX_FRAMES = 2000
 """Most frames of a movie; of longer films every second frame is shown, or every third."""
@@ -57,7 +57,7 @@ HOLD_S = 1.5
 
 
 class _Bodies(NamedTuple):
-    """Walkers of one kind, with one of its contours."""
+    """Walkers of one kind (indices), one contour of that kind, and the artist that draws it for each of them."""
 
     walkers: Whole
     corners: Array

@@ -26,11 +26,11 @@ CLEARANCE_MM = 0.2
 """Least distance of bodies at the start: they drop turned by up to a milliradian."""
 
 PLACES_STREAM_KEY = 1
-"""Key of the random stream of places, apart from those of the walkers."""
+"""Key of the random stream for initial positions, which differs from the walkers' streams."""
 
 
 class Kind(NamedTuple):
-    """Walkers of one kind in a crowd, by a design in space, by a card in a plane."""
+    """Walkers of one kind in a crowd: their number, and their design (in space) or card (in a plane)."""
 
     name: str
     walkers: int
@@ -75,7 +75,7 @@ class Simulated(NamedTuple):
     population: Population
     films: tuple[CrowdFilm, ...]
     runs: tuple[CrowdRun, ...]
-    """The runs themselves, by their numbers; none of a crowd in a plane."""
+    """Results of the runs, ordered by number; empty for a crowd in a plane."""
     statistics: CrowdStatistics
     wall_s: float
 
@@ -106,7 +106,7 @@ def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
 
 
 def check_population(request: CrowdRequest, population: Population) -> None:
-    """Raise InputError for two kinds of one name, a scene with `run.accepted_error`, or too few or many frames."""
+    """Raise InputError for two kinds with one name, a scene with `run.accepted_error`, or too few or many frames."""
     names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"‹count›: two designs have the name {max(names, key=names.count)!r}. Rename one.")

@@ -32,7 +32,7 @@ def read_population(request: CrowdRequest) -> Population:
 
 
 def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
-    """Return whether all sources are cards. Raises InputError for a mixture, or if the request's model needs others."""
+    """Return whether all sources are cards. Raises InputError for a mixture, or sources that the model cannot use."""
     cards = [is_card(source) for source in sources]
     if all(cards) and request.model != "space":
         return True

@@ -22,7 +22,7 @@ MAX_ROWS = 2_000_000
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CrowdReport(Report):
-    """What a crowd did, each number with its error from independent runs."""
+    """Report of a crowd: its statistics with errors from independent runs."""
 
     simulated: Simulated
     """Runs and films that the numbers describe."""
@@ -41,15 +41,15 @@ class Contacts(NamedTuple):
     """Times that bodies, or a body and a wall, began to touch."""
     touches_per_walker_s: float
     deepest_um: float
-    """Deepest give of a contact."""
+    """Largest depth by which a contact was compressed."""
     lost_normal_nj: float
-    """Energy that contacts of bodies took along their normals."""
+    """Energy lost along the normals of contacts."""
     lost_friction_nj: float
     energy_error: float
     contact_error: float
     """Relative excess of the contacts' normal losses over those from restitution."""
     fallen: int
-    """Walkers that did not come to the end."""
+    """Number of walkers that did not reach the end of the run."""
 
 
 CONTACT_COLUMNS = (

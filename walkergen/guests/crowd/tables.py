@@ -28,7 +28,7 @@ CURVE_TABLES: Mapping[str, tuple[str, Mapping[str, str]]] = {
         {"wall_density": "density", "wall_speed": "speed_mm_s", "wall_alignment": "alignment"},
     ),
 }
-"""Tables of curves: the key of their places, and the keys of the curves in them by their names."""
+"""Tables of curves: the key of the abscissa, and the keys of the values by names in `CrowdStatistics.curves`."""
 
 
 def make_tables(statistics: CrowdStatistics) -> list[Table]:
@@ -73,7 +73,7 @@ def summary_line(statistics: CrowdStatistics) -> str:
 
 
 def describe_answer(statistics: CrowdStatistics) -> str:
-    """Describe how fast the walkers run and how far they point the same way, as far as it is known."""
+    """Describe the speed of the walkers and the order of their headings, as far as these are known."""
     parts = []
     if (speed := statistics.numbers["speed"]).value is not None:
         parts.append(f"{quantity_format.format_value(speed._replace(refused=''), 'mm/s')} on average")

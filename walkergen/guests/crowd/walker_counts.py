@@ -1,4 +1,4 @@
-"""Walkers of a crowd: the number of each design, as typed or from a packing; its runs."""
+"""Number of walkers of each design in a crowd, from a count or a packing."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -34,21 +34,21 @@ MIN_AREA_MM2 = 1e-6
 """Least area of a contour, mm^2."""
 
 KEY_UNITS = ("mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
-"""Units that keys of a card end in, those first that end in others."""
+"""Units at the ends of a card's keys. A unit comes before any shorter unit at its own end: mm_s before s."""
 
 
 class _Number(Section):
-    """A measured number as the file has it."""
+    """A measured number as a card's file stores it."""
 
     value: Value
     se: Annotated[float, Field(ge=0, le=1e9)] | None = None
     """Standard error; None if unknown."""
     runs: Annotated[int, Field(ge=1, le=10**9)] | None = None
-    """Independent runs or films that it is from: one more than the degrees of freedom of the error."""
+    """Number of independent runs or films behind the value: one more than the degrees of freedom of its error."""
 
 
 def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
-    """Convert a number as the file has it (a dict) to a quantity named after its field. Return a quantity unchanged."""
+    """Return a number of the file (a dict) as a Quantity named after its field, and a Quantity unchanged."""
     if isinstance(data, Quantity):
         return data
     number: _Number = validate(data)
@@ -56,7 +56,7 @@ def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: Valida
 
 
 def _to_dict(quantity: Quantity) -> dict[str, Any]:
-    """Return a quantity as the file stores it."""
+    """Return a quantity as a dict for the file: value, standard error and number of runs."""
     return {"value": quantity.value, "se": quantity.se, "runs": run_count(quantity)}
 
 
@@ -81,7 +81,7 @@ class Overdamped(Section):
     """Whether a model without inertia is enough for a walker."""
 
     enough: bool | None
-    """None: within their errors the numbers allow both."""
+    """None if the numbers, within their errors, allow both answers."""
     reason: str
     """Deciding numbers, as text."""
 
@@ -112,13 +112,13 @@ class Card(Section):
     turning_rad_s: Measured
     """Mean turning rate."""
     turning_sd_rad_s: Measured | None = None
-    """Spread of that rate from print to print."""
+    """Standard deviation of the mean turning rate from print to print."""
     turning_relaxation_s: Measured | None = None
     """Relaxation time of the turning rate."""
     rotational_diffusion_rad2_s: Measured
     """D_R: the heading's squared change grows by 2 D_R t."""
     translational_diffusion_mm2_s: Measured
-    """D_T across and along the heading: the part of the spread that no heading explains."""
+    """D_T along each axis: the part of a walker's spread that motion along its heading does not explain."""
     delay_s: Measured | None = None
     """Mean delay of the velocity behind the heading."""
     sideways_mm_s: Measured | None = None
@@ -135,7 +135,7 @@ class Card(Section):
     @field_validator("outline_mm")
     @classmethod
     def _check_contours(cls, contours: list[Contour]) -> list[Contour]:
-        """Return the contours. Raises ValueError for one that is clockwise or too small."""
+        """Return the contours. Raises ValueError for a contour that is clockwise or too small."""
         for number, contour in enumerate(contours, start=1):
             size = signed_area(contour)
             if size < MIN_AREA_MM2:
@@ -147,7 +147,7 @@ class Card(Section):
 
     @property
     def length_mm(self) -> float:
-        """Extent of the outline along the heading."""
+        """Extent of the outline along the heading, mm."""
         along = [x for contour in self.outline_mm for x, _ in contour]
         return max(along) - min(along)
 
@@ -195,6 +195,6 @@ def read_card(path: Path) -> Card:
 
 
 def to_json(card: Card) -> bytes:
-    """Serialize a card. Equal cards give equal bytes."""
+    """Return a card as the bytes of its JSON file. Equal cards give equal bytes."""
     data: dict[str, Any] = card.model_dump(mode="json")
     return spell_for_python(json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()

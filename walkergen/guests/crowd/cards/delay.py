@@ -18,10 +18,10 @@ from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core import Array, Complex, Quantity, Whole, jackknife_error
 
 CUTOFF_SHARE = 0.5
-"""Share of the direction at whose loss the integral ends, if a quarter of a track shows it."""
+"""Share of the correlation at lag 0 below which the integral of the delay function ends."""
 
 MIN_PIECES = 16
-"""Samples that tracks of few walkers are cut into, at least."""
+"""Smallest number of samples into which the tracks of few walkers are cut."""
 
 MAX_LAGS = 4000
 
@@ -125,7 +125,7 @@ def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
 
 
 def _correlation_sums(velocity: Complex, unit: Complex, lags: Whole) -> Array:
-    """Return sums of v(t) . e(0) and their numbers of pairs, then the same of v(0) . e(t), shape (4, lags).
+    """Return four rows, shape (4, lags): sum of v(t) . e(0), its number of pairs, sum of v(0) . e(t), its pairs.
 
     Velocities are means over an interval: the time between v and e is half an interval more than the lag.
     """

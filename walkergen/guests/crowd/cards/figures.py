@@ -1,4 +1,4 @@
-"""Figures of a card: how a walker spreads, how long it remembers a push, how late it follows."""
+"""Figures of a card: a walker's squared displacement, its correlations in time, and the delay of its velocity."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +14,7 @@ from walkergen.guests.crowd.cards.relaxation import Relaxation
 from walkergen.guests.crowd.cards.walker_motion import Measured
 
 CORRELATION_SPAN = 5.0
-"""Times of relaxation over which correlations are drawn."""
+"""Longest lag at which correlations are drawn, in relaxation times."""
 
 MAX_DELAY_POINTS = 60
 """Most points of the delay function that are drawn."""
@@ -32,7 +32,7 @@ def draw_card(card: Card, measured: Measured) -> Figure:
 
 
 def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
-    """Draw the measured squared displacement, and that of the card: its run, its pushes, and their sum."""
+    """Draw the squared displacement by lag: measured, and from the card by its run, by its noise, and by both."""
     at, value, _ = measured.motion.msd
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number

@@ -1,4 +1,4 @@
-"""Card of a walker: measured, judged, and written as JSON and a page."""
+"""Card of a walker: measure it from runs or films, and write it as JSON and as a page."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -37,7 +37,7 @@ CARD_FILE = "card.json"
 
 
 def run(request: CrowdRequest, progress: Progress) -> CardReport:
-    """Measure a walker alone, from runs or from the tracks of a film, and write its card."""
+    """Measure a single walker, from runs or from the tracks of a film. Write its card and return the report."""
     source = request.design or PAPER_WALKER
     given = request.inputs()
     if is_card(source):
@@ -126,7 +126,7 @@ def _optional_quantity(field: str, number: Quantity, runs: int) -> Quantity | No
 
 
 def write(result: CardReport, inputs: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
-    """Write card.json, tables, page, figure, and a manifest with `inputs`, into a folder."""
+    """Write card.json, tables, page, figure, and a manifest with `inputs`, into a folder. Return the report."""
     result = replace(result, folder=folder)
     with Folder(folder) as target:
         target.write(CARD_FILE, cards.to_json(result.card))

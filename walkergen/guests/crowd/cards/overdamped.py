@@ -12,7 +12,7 @@ from walkergen.guests.crowd.cards.card import Overdamped
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 
 NEGLIGIBLE_SHARE = 0.1
-"""Turn (rad) and coasting distance (lengths) below which inertia is neglected: our choice, about their error."""
+"""Turn (rad) and coasting distance (body lengths) below which inertia is neglected: our choice, about their errors."""
 
 SOURCES = (
     "Scholz, Jahanshahi, Ldov, Loewen (Nat. Commun. 9, 5156, 2018) saw velocities of printed "

@@ -27,7 +27,7 @@ FIT_CUTOFF = math.exp(-1.0)
 """Share of the first correlation at which its fit ends. Later lags do not reduce the error of the fitted time."""
 
 MIN_STEPS_PER_RELAXATION, MAX_STEPS_PER_SAMPLE = 4, 40
-"""Steps of a following velocity in a time of relaxation, at least, and in a sample, at most."""
+"""Time steps of the lagged heading: at least so many in a relaxation time, at most so many in a sample interval."""
 
 TRANSIENT_RELAXATIONS = 3.0
 """Relaxation times after which a walker's unknown initial velocity is forgotten."""
@@ -51,11 +51,11 @@ class Relaxation(NamedTuple):
     """Whether the time exceeds a sample interval. If not, the time follows from spread and diffusion, and one sample
     interval is its upper bound."""
     deviation: float
-    """Standard deviation of the fluctuations at an instant, of each axis."""
+    """Standard deviation of the fluctuations at an instant, along each axis, mm/s or rad/s."""
     noise: float
-    """Standard deviation of the noise of each place, mm, or heading, rad; 0 where places are exact."""
+    """Standard deviation of the noise of each position (mm) or heading (rad); 0 for exact tracks."""
     correlation: Curve
-    """Their correlation by lag, of each axis, in the square of their unit."""
+    """Correlation of the fluctuations by lag (s), along each axis, in the square of their unit."""
 
 
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
@@ -91,7 +91,10 @@ def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]
 
 
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
-    """Measure the relaxation of the velocity along the heading. `both`, `diffusion`: results of `measure_velocity`."""
+    """Measure the relaxation of the velocity along the heading.
+
+    `both` (relaxation over both axes) and `diffusion` are the results of `measure_velocity`.
+    """
     fluctuations, parts_ahead = [], []
     for track in tracks.tracks:
         rest, middle_heading = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
@@ -101,7 +104,7 @@ def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusi
 
 
 def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
-    """Measure the relaxation of the turning rate (rad/s). `diffusion`: of the heading, rad^2/s."""
+    """Measure the relaxation of the turning rate (rad/s). `diffusion`: rotational diffusion, rad^2/s."""
     rates = []
     for track in tracks.tracks:
         heading = np.exp(1j * _headings(track))
@@ -119,14 +122,14 @@ def fit_relaxation(
     axes: int = 2,
     earlier: Sequence[Complex] | None = None,
 ) -> Relaxation:
-    """Fit an exponential to the correlation of fluctuations: its time is the relaxation, a quantity named `key`.
+    """Return the relaxation of fluctuations: the time of an exponential fitted to their correlation.
 
     Parameters
     ----------
     key : str
-        Name of the quantity.
+        Name of the quantity that holds the relaxation time.
     fluctuations : sequence of ndarray
-        Fluctuations of each track about its mean, one for each interval.
+        Fluctuations of each track about its mean (mm/s or rad/s), one for each interval, as complex numbers.
     interval : float
         Time between fluctuations, s.
     exact : bool
@@ -136,7 +139,7 @@ def fit_relaxation(
     axes : int
         Number of axes of the fluctuations: 1 or 2.
     earlier : sequence of ndarray, optional
-        Fluctuations with which the later `fluctuations` are correlated, by default the same.
+        Series whose correlation with the later `fluctuations` is computed, by default `fluctuations` itself.
     """
     pieces = _independent_samples(fluctuations)
     first_parts = pieces if earlier is None else _independent_samples(earlier)
@@ -151,7 +154,7 @@ def fit_relaxation(
         )
         return _missing_relaxation(key, diffusion.refused or too_few)
     sums = [lag_sums.sum_cross_products(part, piece, lags) for part, piece in zip(first_parts, pieces, strict=True)]
-    # Each track's own mean was taken off: what that removed of every product.
+    # Subtracting each track's mean lowered the mean product by `removed`
     seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in fluctuations])) * interval
     removed = 2.0 * diffusion.value / seconds
     total, pairs = (np.sum(parts, axis=0) for parts in zip(*sums, strict=True))
@@ -181,7 +184,7 @@ def _unresolved_relaxation(
 ) -> Relaxation:
     """Compute a relaxation shorter than `interval` from the mean square of the fluctuations.
 
-    `mean_square`: of all samples. `jackknife`: the same without each sample in turn, shape (samples,).
+    `mean_square`: of all samples. `jackknife`: mean squares without each sample in turn, shape (samples,).
     """
     assert diffusion.value is not None
     whole = _relaxation_time(mean_square, diffusion.value, interval)
@@ -240,7 +243,7 @@ def _fit_exponentials(
 
 
 def _independent_samples(by_track: Sequence[Complex]) -> list[Complex]:
-    """Return independent samples of series by track: whole tracks, or if these are few their pieces."""
+    """Return the tracks' series as independent samples. If there are few, they are cut into pieces."""
     filled = [series for series in by_track if len(series)]
     if len(filled) >= moments.MIN_PARTICLES:
         return filled

@@ -35,7 +35,7 @@ CONTACT_KEYS = ("restitution", "friction", "wall_restitution", "wall_friction")
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CardReport(Report):
-    """Card of a walker, with the motion that it is from."""
+    """Report of a card, with the measured motion of its walker."""
 
     card: Card
     measured: Measured
@@ -57,7 +57,7 @@ def make_report(card: Card, measured: Measured) -> CardReport:
         title=f"Card of {card.name}",
         caption=", ".join(about),
         tables=[
-            _table(card, measured),
+            _numbers_table(card, measured),
             Table("contacts", contacts, ("quantity", "assumed"), assumed, "Contacts, from the scene"),
         ],
         facts={"card": card.model_dump(mode="json"), "notes": notes},
@@ -68,8 +68,8 @@ def make_report(card: Card, measured: Measured) -> CardReport:
     )
 
 
-def _table(card: Card, measured: Measured) -> Table:
-    """Return the table of a card's numbers. A note explains why one is unknown or uncertain."""
+def _numbers_table(card: Card, measured: Measured) -> Table:
+    """Return the table of a card's numbers. Notes explain why a number is unknown or only bounded."""
     notes = _missing_reasons(measured)
     rows = []
     for key in QUANTITY_LABELS:

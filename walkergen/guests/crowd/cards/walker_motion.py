@@ -40,10 +40,10 @@ SLOPE_DEG = 1.0
 """Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of the paper's propulsion."""
 
 SLOPE_SETTINGS = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
-"""Keys of a scene whose walkers are pushed, whichever way they head."""
+"""Settings of a scene with a slope that pushes walkers, whose initial headings have any direction."""
 
 MIN_INTERVAL_PERIODS = 0.75
-"""Shortest frame interval whose frames are all used, over a drive's period: shorter ones would show the bouncing."""
+"""Frame interval over the drive's period, below which frames are left out because they would show the bouncing."""
 
 
 class Measured(NamedTuple):
@@ -51,7 +51,7 @@ class Measured(NamedTuple):
 
     motion: Motion
     velocity: Relaxation
-    """Of the velocity along the heading."""
+    """Relaxation of the velocity along the heading."""
     sideways: Quantity
     """Relaxation time of the velocity across the heading, s; refused for films, which have no pushes."""
     translation: Quantity

@@ -38,13 +38,13 @@ TANGENTIAL_DAMPING = 2.0
 
 
 class Contact(NamedTuple):
-    """Forces of two touching discs, g/s^2 and g/s."""
+    """Contact law of two touching discs: stiffness (g/s^2), damping and grip (g/s), friction."""
 
     stiffness: float
     damping: float
-    """Of the approach."""
+    """Damping force along the normal over the speed of approach."""
     grip: float
-    """Of sliding, up to friction times the normal force."""
+    """Drag over the speed of sliding. The drag is at most friction times the normal force."""
     friction: float
 
 
@@ -52,11 +52,11 @@ class Contacts(NamedTuple):
     """Contacts of kinds of walkers, and the step that resolves them."""
 
     pairs: dict[tuple[int, int], Contact]
-    """By numbers of kinds, the smaller first."""
+    """Contact between walkers of two kinds, by the indices of the kinds, the smaller first."""
     walls: list[Contact]
-    """Of each kind with a wall."""
+    """Contact of each kind with a wall."""
     longest_step: float
-    """Seconds."""
+    """Longest time step that resolves all contacts, s."""
 
 
 def restitution(zeta: float) -> float:

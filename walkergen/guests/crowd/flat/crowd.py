@@ -16,12 +16,12 @@ from walkergen.guests.crowd.flat.lammps_input import Crowd
 
 
 class FlatRun(NamedTuple):
-    """Where N walkers were at F frames, the first at the start; nothing is discarded."""
+    """Poses of N walkers at F frames, from the start of the run on."""
 
     times: Array
-    """s, shape (F,)."""
+    """Times of the frames, s, shape (F,)."""
     poses: Array
-    """x, y (mm) and heading (rad), shape (F, N, 3); neither wrapped."""
+    """x, y (mm) and heading (rad), shape (F, N, 3). Positions and headings are not wrapped."""
 
 
 def simulate(crowd: Crowd, progress: Progress = silent) -> FlatRun:

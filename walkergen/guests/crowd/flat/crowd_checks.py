@@ -130,7 +130,7 @@ def _wrap_points(points: Array, period: float) -> Array:
 
 
 def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
-    """Return centres (A, 2) and radii (A,), mm, and walkers (A,) of all A discs. `shapes`: discs by kind."""
+    """Return centres (A, 2), radii (A,), mm, and walkers' indices (A,) of all A discs. `shapes`: discs by kind."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
         walkers = np.flatnonzero(crowd.kinds == kind)
@@ -145,7 +145,7 @@ def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tu
 
 
 def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
-    """Return each disc's gap to the nearest wall (mm), shape (A,); negative inside it. `points`: centres, (A, 2)."""
+    """Return each disc's gap to the nearest wall (mm), shape (A,); negative in a wall. `points`: centres, (A, 2)."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)
     if dish.kind == "periodic":

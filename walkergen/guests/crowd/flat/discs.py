@@ -15,7 +15,7 @@ from walkergen.core import Array, InputError
 from walkergen.guests.crowd.cards.card import Card
 
 OUTLINE_POINTS = 900
-"""About as many points stand along an outline when its discs are chosen."""
+"""Approximate number of points along an outline from which its discs are chosen."""
 
 ARC_SEGMENTS = 16
 """Straight pieces of a quarter of a rounded corner."""
@@ -27,11 +27,11 @@ class Discs(NamedTuple):
     places: Array
     """Centres, shape (D, 2)."""
     radii: Array
-    """Shape (D,)."""
+    """Radii, shape (D,)."""
 
     @property
     def reach(self) -> float:
-        """Distance from C to the farthest point."""
+        """Distance from C to the farthest point, mm."""
         return float(np.max(np.hypot(*self.places.T) + self.radii))
 
 
@@ -39,7 +39,7 @@ class Rim(NamedTuple):
     """Points along an outline, with the directions inwards; mm."""
 
     points: Array
-    """Shape (S, 2)."""
+    """Positions, shape (S, 2)."""
     inwards: Array
     """Unit vectors, shape (S, 2)."""
 

@@ -1,4 +1,4 @@
-"""Dump of LAMMPS, read back: where each walker was at each frame."""
+"""Read the file of frames (dump) that LAMMPS writes: the pose of each walker at each frame."""
 
 import io
 from pathlib import Path
@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.core import Array, InputError, OutputError
 
 COLUMNS = "id xu yu c_heading[1] c_heading[2]"
-"""Columns in the input's order: number, place, cos and sin of half the heading."""
+"""Columns of a dump: number of the walker, position x, y (mm), cosine and sine of half the heading."""
 
 
 def read_frames(path: Path, walkers: int, frames: int) -> Array:

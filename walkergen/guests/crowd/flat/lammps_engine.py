@@ -35,14 +35,14 @@ STEP_PATTERN = re.compile(r"\s*(\d+)\s*$")
 ERROR_PATTERN = re.compile(r"ERROR.*")
 
 MAX_LOG_LINES = 40
-"""Last lines of LAMMPS that are kept to find its error in."""
+"""Number of last output lines in which the error of LAMMPS is searched."""
 
 STOP_TIMEOUT_S = 5.0
 """Time that a stopped process has to end before it is killed."""
 
 
 class Engine(NamedTuple):
-    """LAMMPS on this machine."""
+    """LAMMPS on this machine: path, environment variables, and release date if it was checked."""
 
     program: str
     environment: dict[str, str]

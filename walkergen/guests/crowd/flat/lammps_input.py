@@ -26,18 +26,18 @@ INFINITE_RELAXATION_S = 1e9
 """Relaxation time of the noise that only turns: large enough to leave velocities unchanged, s."""
 
 BOX_MARGIN_MM = 20.0
-"""Room between the walls of a dish and the edge of the box, mm."""
+"""Distance between the walls of a dish and the edge of the simulation box, mm."""
 
 MAX_BINS = 500
 """Most neighbour bins along a side of the box."""
 
 
 class Crowd(NamedTuple):
-    """Definition of one run."""
+    """Walkers, dish, initial poses and settings of one run."""
 
     cards: Sequence[Card]
     kinds: Whole
-    """Number of each walker's card, shape (N,)."""
+    """Index in `cards` of each walker, shape (N,)."""
     dish: Dish
     places: Array
     """x, y (mm) and heading (rad) of each walker, shape (N, 3)."""
@@ -47,7 +47,7 @@ class Crowd(NamedTuple):
     rate_hz: float
     seed: int
     running: bool = False
-    """Whether they start at the speeds and rates of their cards; else at rest, as walkers in space do."""
+    """Whether walkers start at the speeds and turning rates of their cards. Otherwise they start at rest."""
 
     @property
     def frames(self) -> int:
@@ -195,7 +195,7 @@ def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _sideways_drag_commands(parts: Mechanics) -> list[str]:
-    """Return the commands for the extra drag across the heading, of kinds that have one."""
+    """Return the commands for the extra drag across the heading; empty if no kind of walker has any."""
     lines = [
         'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
         'variable sine atom "2.0*c_heading[1]*c_heading[2]"',

@@ -19,26 +19,26 @@ MAX_TURN_RAD = 50.0
 
 
 class Motion(NamedTuple):
-    """Forces on a walker alone: mm, g, s."""
+    """Forces and noise on a single walker, in mm, g and s."""
 
     mass: float
     inertia: float
     push: float
     """Force along the heading, g mm/s^2."""
     turn: float
-    """Torque, g mm^2/s^2."""
+    """Mean torque, g mm^2/s^2."""
     relaxation: float
-    """tau, s."""
+    """Relaxation time tau of the velocity, s."""
     sideways_relaxation: float
-    """tau of the velocity across the heading, s."""
+    """Relaxation time of the velocity across the heading, s."""
     turning_relaxation: float
-    """tau_r, s."""
+    """Relaxation time tau_r of the turning rate, s."""
     heat: float
     """Energy k T of the noise on the velocity, which has one size along and across, g mm^2/s^2."""
     spin_heat: float
     """Energy k T of the noise on the turning rate, D_R I/tau_r, g mm^2/s^2."""
     turning: float
-    """w0, rad/s."""
+    """Mean turning rate w0, rad/s."""
 
     @property
     def typical_speed_and_turning(self) -> tuple[float, float]:

@@ -18,19 +18,18 @@ DISC, RING, RECTANGLE, PERIODIC, ENDLESS = range(5)
 GROUND_NUMBERS = {"disc": DISC, "ring": RING, "rectangle": RECTANGLE, "periodic": PERIODIC}
 
 X, Z, COS, SIN, LEAN_X, LEAN_Z, SPEED, LIFTED = range(8)
-"""Columns of `Crowd.planar`: what a body shows from above. Place of C with the legs' give (mm),
-cosine and sine of the heading, displacement by a millimetre of height as it leans, largest speed
-of a point (mm/s); and the vertical velocity of the plate, and walls, at that time (mm/s)."""
+"""Columns of `Crowd.planar`, the top view of a body: position of C shifted by the deflection of the legs (mm), cosine
+and sine of the heading, shift of a point per millimetre of its height if the body leans, upper bound of a point's
+speed (mm/s), and vertical velocity of plate and walls (mm/s)."""
 
 TOUCHES, DEEPEST, WORK, STORED, LOST, RUBBED, LATE, PRESSED, ALONG, UP = range(10)
-"""Rows of `Crowd.book`: touches begun; deepest give (mm); of the contacts between bodies and walls
-work done on walkers along the normal, energy stored now, loss along the normal by restitution, loss
-to friction (g mm^2/s^2); touches that were first seen deeper than a tick explains;
-impulses along the normal, of friction in the plane and up or down (g mm/s)."""
+"""Rows of `Crowd.book`, sums over all contacts: touches begun; largest compression (mm); work done on walkers along
+the normal, energy stored now, loss along the normal by restitution, loss to friction (g mm^2/s^2); touches first seen
+deeper than a tick explains; impulses along the normal, of friction in the plane and up or down (g mm/s)."""
 
 
 class Mover(NamedTuple):
-    """One walker of a crowd, as its own model moves it."""
+    """Data of one walker of a crowd for the kernels that move a single walker."""
 
     world: World
     state: State
@@ -39,9 +38,9 @@ class Mover(NamedTuple):
 
 
 class Free(NamedTuple):
-    """Walkers' data that pushes change or read: arrays over walkers, in the same memory as the movers' own.
+    """Data of all N walkers that impulses change or read. The arrays share memory with the movers.
 
-    Arrays over n coordinates of legs have room for the most that a walker has.
+    n: largest number of leg coordinates of a walker; arrays of walkers with fewer are filled up.
     """
 
     state: Array
@@ -53,16 +52,16 @@ class Free(NamedTuple):
     now: Array
     """Velocities of C and turning rates, body axes, shape (N, 6)."""
     coordinates: Whole
-    """Coordinates of the legs, shape (N,)."""
+    """Number of leg coordinates of each walker, shape (N,)."""
     inverse_mass: Array
-    """Shape (N,)."""
+    """1/g, shape (N,)."""
     inverse_inertia: Array
-    """Shape (N, 3, 3)."""
+    """In body axes, 1/(g mm^2), shape (N, 3, 3)."""
     shift: Array
     lock: Array
-    """As of `space.state.Walker`, shape (N, 3, n)."""
+    """`shift` and `lock` are those of `space.state.Walker`, shape (N, 3, n)."""
     hinge_mobility: Array
-    """Shape (N, n, n)."""
+    """Of the leg coordinates, as in `space.state.Walker`, shape (N, n, n)."""
 
 
 class Bodies(NamedTuple):
@@ -79,13 +78,13 @@ class Bodies(NamedTuple):
     """Shape (e, 2), numbers of corners."""
     radius: Array
     reach: Array
-    """Of each kind, shape (kinds,), mm."""
+    """Rounding radius of the core, and distance of the farthest point from C, of each kind, shape (kinds,), mm."""
     heights: Array
-    """Heights over C of kind i at which it meets kind j, shape (kinds, kinds, 2)."""
+    """Lowest and highest height over C (mm) at which kind i meets kind j, shape (kinds, kinds, 2)."""
     ends: Array
-    """Heights of bottom and top over C, shape (kinds, 2)."""
+    """Heights of bottom and top over C, shape (kinds, 2), mm."""
     box: Array
-    """Middle and half sizes of the core's box, shape (kinds, 4)."""
+    """Middle x, z and half sizes along x, z of the core's bounding box, shape (kinds, 4), mm."""
 
 
 class Ground(NamedTuple):
@@ -129,7 +128,7 @@ class Crowd(NamedTuple):
     touching: npt.NDArray[np.uint8]
     """1 where i and j > i touch, and on the diagonal i and a wall, shape (N, N)."""
     book: Array
-    """Shape (10,)."""
+    """Sums over contacts, rows TOUCHES to UP, shape (10,)."""
     tick: Array
     """Time step of contacts now, shape (1,), s."""
 

@@ -21,25 +21,25 @@ MAX_SPARSE_PACKING = 0.4
 """Largest packing for adding walkers at their full size."""
 
 MAX_TRIES_PER_WALKER = 400
-"""Random places that are tried for each walker at most, on average, before all start smaller."""
+"""Largest mean number of random poses that are tried for a walker before all walkers start smaller."""
 
 MIN_SCALE = 0.02
-"""Scale at which walkers start at the least."""
+"""Smallest scale at which walkers start."""
 
 GROWTH_RATES = (0.1, 0.01, 0.001)
-"""Largest growth of a walker with a move: slower where a crowd has jammed."""
+"""Largest relative growth of a walker in a move. Each rate is tried after the crowd has jammed at the one before."""
 
 SHRINK_SCALE = 0.9
-"""Scale factor that shrinks all walkers before they grow at a slower pace."""
+"""Factor by which all walkers shrink before they grow at the next rate."""
 
 MAX_SCALE_RATIO = 1.05
 """Largest scale over the smallest: all grow together."""
 
 STALL_MOVES, MIN_GROWTH = 200, 0.2
-"""Moves of each walker within which the smallest scale must grow by so many paces."""
+"""Moves of each walker, and growth rates by which the smallest scale must grow in them; else the crowd has jammed."""
 
 MAX_MOVES = 30_000_000
-"""Moves of all walkers at a pace at most: half a minute."""
+"""Largest number of moves of all walkers at one growth rate, about half a minute."""
 
 SIMPLIFY_MM = 0.01
 """Largest distance (mm) of simplified outlines inside the true ones."""

@@ -10,9 +10,9 @@ class Impulses(NamedTuple):
 
     normal: float
     along: float
-    """Of friction in the plane."""
+    """Sum for friction in the plane."""
     up: float
-    """Of friction up or down a face: bodies hop out of step."""
+    """Sum for friction up or down a face, as bodies do not hop in step."""
 
 
 class CrowdRun(NamedTuple):
@@ -26,18 +26,17 @@ class CrowdRun(NamedTuple):
     times: Array
     """Times since the record began, s, shape (F,)."""
     poses: Array
-    """Places x, y (mm), heading, height (mm), pitch and roll (rad) as a trajectory of one walker
-    shows them, shape (F, N, 6); in a periodic square x and y are not wrapped."""
+    """x, y (mm), heading (rad), height (mm), pitch and roll (rad), as in the trajectory of one walker, shape (F, N, 6).
+    In a periodic square x and y are not wrapped."""
     touches: int
     """Times that two walkers, or a walker and a wall, began to touch."""
     deepest: float
-    """Deepest give of a contact, mm."""
+    """Largest depth by which a contact was compressed, mm."""
     energy_error: float
     """Largest unexplained energy of a walker, over the energy it exchanged."""
     contact_error: float
-    """What contacts took along their normals, less what restitution says, over it: that of a blow
-    is small, in jams restitution comes out higher than it should; near restitution 0 bodies hold on
-    to each other for long, and turn meanwhile."""
+    """Energy lost along the normals of contacts, less the loss expected from restitution, over the expected loss.
+    Single impacts err little, jams lose too little, and near restitution 0 bodies touch for long and turn meanwhile."""
     losses: dict[str, float]
     """Energies lost by walkers in contacts, with the energy stored in them: "normal", "friction", g mm^2/s^2."""
     impulses: Impulses

@@ -37,17 +37,17 @@ Walkers = list[tuple[World, State]]
 
 
 class CrowdPlan(NamedTuple):
-    """Crowd to be run."""
+    """Crowd that is ready to run: scene, kinds of walkers, initial poses, contact law and ground."""
 
     scene: Scene
     plans: tuple[Plan, ...]
-    """Of each kind of walker."""
+    """Plan of each kind of walker."""
     shapes: tuple[Shape, ...]
     names: tuple[str, ...]
     kinds: tuple[int, ...]
     """Kind of each walker, length N."""
     places: Array
-    """Places x, y (mm) of the centres of mass C and headings (rad), shape (N, 3)."""
+    """Initial positions x, y (mm) of the centres of mass C, and headings (rad), shape (N, 3)."""
     law: bodies.Law
     ground: bodies.Ground
 
@@ -256,7 +256,7 @@ def _energies(walkers: Walkers) -> Array:
 
 
 def _contact_energy_error(book: Array, gain: float) -> float:
-    """Return the share of the contacts' normal work that losses and `gain`, that of stored energy, do not explain."""
+    """Return the share of the contacts' normal work that neither losses nor the `gain` of stored energy explain."""
     lost = book[bodies.LOST]
     taken = max(abs(book[bodies.WORK]), lost, abs(gain))
     return float(abs(book[bodies.WORK] + gain + lost) / taken) if taken else 0.0

@@ -25,12 +25,12 @@ CIRCLE_TOLERANCE_MM = 0.01
 
 
 class Shape(NamedTuple):
-    """Body of one design, from C: corners (x forward, z to the right), mm."""
+    """Shape of one design's body, relative to C: x forward, z to the right, mm."""
 
     corners: Array
     """Corners of the core, shape (v, 2)."""
     edges: Whole
-    """Numbers of both ends of each edge of the core, shape (e, 2); of a disc one of no length."""
+    """Indices in `corners` of both ends of each edge of the core, shape (e, 2). A disc has one edge of length 0."""
     radius: float
     """Rounding radius of the core."""
     reach: float
@@ -67,7 +67,7 @@ def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, flo
     middle = contours[0].mean(axis=0)
     distances = np.hypot(*(contours[0] - middle).T)
     if len(contours) == 1 and len(distances) > 12 and float(np.ptp(distances)) < CIRCLE_TOLERANCE_MM:
-        return middle[None, :], np.zeros((1, 2), np.int64), float(distances.mean())
+        return middle[None, :], np.zeros((1, 2), np.int64), float(distances.mean())  # a disc: its core is a point
     radius = CORNER_MM
     while True:
         inner = [Polygon(contour).buffer(-radius, join_style="mitre") for contour in contours]

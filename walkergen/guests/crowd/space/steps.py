@@ -43,12 +43,12 @@ class Plans(NamedTuple):
     """Times of the next updates, in ticks of a round, for p pairs and N walkers."""
 
     safe: Array
-    """Until then a pair cannot touch, shape (p,)."""
+    """Time before which a pair cannot touch, shape (p,)."""
     seen: Array
-    """Gap (mm) of a pair at its last update, and that time, shape (p, 2)."""
+    """Gap (mm) of a pair at its last update, and the time of that update, shape (p, 2)."""
     safe_wall: Array
     seen_wall: Array
-    """The same of walkers and walls, shapes (N,), (N, 2)."""
+    """`safe_wall` and `seen_wall`: the same for walkers and walls, shapes (N,) and (N, 2)."""
     until: Array
     """Time reached by each walker, shape (N,)."""
     allowed: Array
@@ -56,7 +56,7 @@ class Plans(NamedTuple):
 
 
 NEAR_TICKS = 64.0
-"""Ticks at their speed within which the gap of two bodies is worth more than a lower bound."""
+"""Two bodies whose gap may close within so many ticks get an exact gap, others a lower bound."""
 
 RECENT_TICKS = 8.0
 """Ticks after which an earlier closing rate of a gap no longer counts."""

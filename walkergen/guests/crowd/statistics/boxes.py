@@ -12,10 +12,10 @@ MIN_BOXES = 3
 """Least number of boxes along the shorter side: of two none lies inside a disc."""
 
 MIN_INSIDE_SHARE = 0.5
-"""Share of a box inside the dish, at least, for it to count as a place."""
+"""Smallest share of a box inside the dish with which the box counts."""
 
 QUARTER_SEGMENTS = 128
-"""Corners of a quarter of a circle whose area is that of a wall, to 3e-5."""
+"""Corners of a quarter of a round wall, whose area is then exact to 3e-5."""
 
 
 class Grid(NamedTuple):

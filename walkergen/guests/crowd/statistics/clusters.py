@@ -26,13 +26,13 @@ class Clusters(NamedTuple):
     number: Array
     """Number of clusters, walkers alone included."""
     largest: Array
-    """Share of the walkers in the largest."""
+    """Share of the walkers in the largest cluster."""
     size: Array
     """Mean number of walkers in the cluster of a walker."""
     alone: Array
-    """Share of the walkers that touch none."""
+    """Share of the walkers that touch no other."""
     touching: Array
-    """Mean number of others that a walker touches."""
+    """Mean number of other walkers that a walker touches."""
     shares: Array
     """Share of the walkers in clusters of 1, 2 to 3, 4 to 7, ... over all times."""
 
@@ -61,7 +61,7 @@ def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
     x, y, radii = film.x[frame][seen], film.y[frame][seen], film.radii[seen]
     gap = TOUCHING_GAP * float(radii.mean()) if film.outlines else 0.0
     reach = 2.0 * float(radii.max()) + gap
-    reach = min(reach, 0.5 * film.dish.period or reach)  # of images the nearest alone
+    reach = min(reach, 0.5 * film.dish.period or reach)  # only the nearest image counts
     pairs, steps = dish_geometry.pairs_within(x, y, reach, film.dish)
     close = np.hypot(*steps.T) <= radii[pairs].sum(axis=1) + gap
     pairs, steps = pairs[close], steps[close]

@@ -74,7 +74,7 @@ def share_inside(x: Array, y: Array, radius: Array, dish: Dish) -> Array:
 
 
 def _share_in_disc(distance: Array, radius: Array, disc_radius: float) -> Array:
-    """Return the share of a circle's circumference in a disc (cosine law); `distance`: of their centres."""
+    """Return the share of a circle's circumference in a disc (cosine law). `distance`: between their centres."""
     cosine = (disc_radius**2 - distance**2 - radius**2) / np.maximum(2.0 * distance * radius, 1e-150)
     return np.asarray(1.0 - np.arccos(np.clip(cosine, -1.0, 1.0)) / math.pi)
 

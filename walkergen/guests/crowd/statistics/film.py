@@ -12,8 +12,8 @@ from walkergen.core import Array, Dish, Mask, Whole
 from walkergen.readers.drawings import outlines as polygons
 
 Outlines = Mapping[str, Sequence[Array]]
-"""Outer contours by the name of a kind, seen from above: heading along +x, the place that is
-followed at the origin, shape (corners, 2) each, mm."""
+"""Outer contours by the name of a kind, seen from above, shape (corners, 2) each, mm. The heading is along +x, and the
+tracked point is at the origin."""
 
 NO_OUTLINES: Outlines = MappingProxyType({})
 
@@ -24,20 +24,20 @@ class CrowdFilm(NamedTuple):
     times: Array
     """Times of the frames, shape (F,), s."""
     x: Array
-    """Places from the middle of the dish, shape (F, N), mm, not wrapped in a periodic square; NaN
-    where a walker was not seen."""
+    """`x` and `y`: positions from the middle of the dish, shape (F, N), mm, not wrapped in a periodic square; NaN where
+    a walker was not seen."""
     y: Array
     theta: Array
-    """Headings from x toward y, shape (F, N), rad, not wrapped; NaN where not known."""
+    """Headings, from x toward y, shape (F, N), rad, not wrapped; NaN where unknown."""
     areas: Array
     """Areas of the outlines, shape (N,), mm^2; NaN where no outline is known."""
     radii: Array
-    """Distances of the outermost corners from the places, shape (N,), mm; NaN likewise."""
+    """Distances of the outermost corners from the tracked points, shape (N,), mm; NaN where no outline is known."""
     kinds: tuple[str, ...]
     """Names of the walkers' designs, length N."""
     dish: Dish
     outlines: Outlines = NO_OUTLINES
-    """Contours of each of `kinds`; none where only tracks are known."""
+    """Contours of each kind in `kinds`; empty if only tracks are known."""
 
     @property
     def interval(self) -> float:

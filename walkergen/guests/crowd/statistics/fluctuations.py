@@ -1,4 +1,4 @@
-"""Number fluctuations: how the number of walkers in a box varies with time, by its mean.
+"""Number fluctuations: how much the number of walkers in a box varies with time, by the mean number.
 
 Walkers that ignore each other have a standard deviation that grows as mean^(1/2) (Poisson); a
 lattice varies at its boxes' edges only, mean^(1/4); flocks and phases by powers up to 1.
@@ -15,7 +15,7 @@ from walkergen.guests.crowd.statistics import boxes, dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 MAX_SIZES = 12
-"""Sizes of boxes, at most."""
+"""Largest number of box sizes."""
 
 MIN_MEAN = 1.0
 """Mean number of walkers in the smallest boxes, at least: below it any law looks like Poisson's."""
@@ -29,7 +29,7 @@ class Fluctuations(NamedTuple):
     means: Array
     """Mean number of walkers in a box over all runs, shape (sizes,)."""
     variances: Array
-    """Variance of that number with time, in each run, shape (runs, sizes)."""
+    """Variance with time of the number of walkers in a box, in each run, shape (runs, sizes)."""
     exponents: Array
     """Growth of the standard deviation with the mean, d ln sd / d ln mean, of each run (runs,)."""
 

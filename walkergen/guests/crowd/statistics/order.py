@@ -25,7 +25,7 @@ def nematic_order(film: CrowdFilm) -> Array:
 def circulation(film: CrowdFilm) -> Array:
     """Return the mean circulation of headings about the dish's middle in each frame, shape (F,).
 
-    It is r x e / |r| with a walker's place r and heading e: 1 if all circle counter-clockwise, -1 if all clockwise.
+    It is r x e / |r| with a walker's position r and heading e: 1 if all circle counter-clockwise, -1 if all clockwise.
     """
     about = np.sin(film.theta - np.arctan2(film.y, film.x))
     return np.asarray(mean_over_walkers(about))

@@ -12,7 +12,7 @@ BOX_DIAMETERS = 4.0
 """Side of the boxes of the local packing, in mean outer diameters."""
 
 BINS = 24
-"""Bins of the local packing from 0 to 1.2: boxes count a walker whole where its place is."""
+"""Bins of the local packing from 0 to 1.2. It may exceed 1: a box counts the whole area of walkers centred in it."""
 
 MAX_PACKING = 1.2
 
@@ -48,7 +48,7 @@ def scatter(local_packing: Array) -> Array:
 
 
 def probability_density(local_packing: Array) -> tuple[Array, Array]:
-    """Return the middles of bins of local packing, and the probability density in each."""
+    """Return the middles of bins of local packing, and the probability density in each bin, shape (BINS,) both."""
     edges = np.linspace(0.0, MAX_PACKING, BINS + 1)
     counts, _ = np.histogram(np.minimum(local_packing, MAX_PACKING), edges)
     return 0.5 * (edges[1:] + edges[:-1]), counts / (counts.sum() * (edges[1] - edges[0]))

@@ -21,7 +21,7 @@ MAX_DIAMETERS, NEIGHBOUR_DIAMETERS = 6.0, 1.25
 in sides of the square that a walker has on average)."""
 
 GAUSS_NODES = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
-"""Places in a bin at which the share of a circle inside the dish is taken (Gauss, two nodes)."""
+"""Positions in a bin, 0 to 1, at which the share of a circle inside the dish is computed (Gauss, two nodes)."""
 
 
 class Pairs(NamedTuple):
@@ -30,13 +30,13 @@ class Pairs(NamedTuple):
     at: Array
     """Distances, mm."""
     g: Array
-    """Pairs over those of as many walkers spread evenly over the dish."""
+    """Number of pairs over its expected value for walkers spread evenly over the dish."""
     polar: Array
-    """Mean cos(theta_i - theta_j): 1 for one way, 0 at random; NaN where there are no pairs."""
+    """Mean cos(theta_i - theta_j): 1 if all point one way, 0 at random; NaN where there are no pairs."""
     nematic: Array
     """Mean cos 2(theta_i - theta_j)."""
     near_polar: Array
-    """The same over neighbours at each time, shape (F,): local order, 0 at random for any N."""
+    """Mean cos(theta_i - theta_j) over neighbours in each frame, shape (F,): local order, 0 at random for any N."""
     near_nematic: Array
 
 
@@ -83,7 +83,7 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
 
 
 def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
-    """Return the expected pairs in each bin, (bins,), of walkers at `x`, `y` (mm) with all others at random places."""
+    """Return the expected number of pairs in each bin, (bins,), of walkers at `x`, `y` (mm) with others at random."""
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * GAUSS_NODES
     middle_x, middle_y = dish_geometry.wrap_places(x, y, film.dish)

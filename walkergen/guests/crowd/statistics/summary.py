@@ -48,7 +48,7 @@ RANGES = {
     **dict.fromkeys(("packing_scatter", "speed", "clusters", "touching", "wall_density", "wall_speed"), AT_LEAST_0),
     "cluster_size": (1.0, math.inf),
 }
-"""Possible values of numbers. Bounds end there, which loses none of their confidence."""
+"""Possible values of numbers. Their confidence bounds are clipped to this range, at no loss of confidence."""
 
 WHOLE_RUN_NUMBERS = ("spread_exponent", "fluctuation_exponent")
 """Numbers of a whole run, without a course in time."""
@@ -77,7 +77,7 @@ class CrowdStatistics(NamedTuple):
     numbers: dict[str, Quantity]
     """Numbers by their keys, those of `UNITS`."""
     by_chance: dict[str, float]
-    """The same numbers for walkers placed and turned at random."""
+    """Mean values of numbers for walkers at random positions and headings."""
     by_run: dict[str, Array]
     """Numbers of each run, shape (runs,)."""
     series: dict[str, Curve]
@@ -94,14 +94,16 @@ class CrowdStatistics(NamedTuple):
     """Length of a run, s."""
     dish: Dish
     notes: tuple[str, ...]
-    """How numbers were found, a sentence without its full stop each."""
+    """Sentences without full stops on how the numbers were measured."""
 
 
 class _Run(NamedTuple):
+    """Statistics of one run, by name."""
+
     series: dict[str, tuple[Array, Array]]
     """Times (s) and values of each number that has a course in time."""
     curves: dict[str, tuple[Array, Array]]
-    """Places and values of each curve."""
+    """Abscissae and values of each curve."""
     totals: dict[str, float]
     """Numbers of the whole run."""
 
@@ -259,7 +261,7 @@ def _quantity_of_few_runs(name: str, value: float, courses: Sequence[tuple[Array
 
 
 def few_runs_reason(runs: int) -> str:
-    """Return why so few runs give no bounds."""
+    """Return the reason why so few runs give no confidence bounds."""
     return "one run is too short for bounds" if runs == 1 else f"{runs} runs are too few for bounds"
 
 
@@ -285,7 +287,7 @@ def _missing_reason(name: str, film: CrowdFilm) -> str:
 
 
 def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
-    """Return the mean of the runs' curves, (places, values), and its error: NaN below MIN_RUNS or without a value."""
+    """Return the mean of the runs' curves (abscissae, values), and its error: NaN below MIN_RUNS or without values."""
     values = np.stack([values for _, values in curves])
     error = np.full(values.shape[1], math.nan)
     if len(values) >= MIN_RUNS:

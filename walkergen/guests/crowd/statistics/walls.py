@@ -1,4 +1,4 @@
-"""Walkers at walls: how dense they are, how fast, and whether they lie along them, by distance."""
+"""Walkers at walls: their density, speed, and alignment with the nearest wall, by distance from it."""
 
 from typing import NamedTuple
 
@@ -13,26 +13,26 @@ BINS = 20
 
 
 class Walls(NamedTuple):
-    """One run by the distance of walkers' places from the nearest wall."""
+    """Statistics of one run by the distance of walkers' positions from the nearest wall."""
 
     at: Array
     """Middles of the bins of distance, shape (BINS,), mm."""
     density: Array
-    """Number a unit of area over the mean of the whole dish."""
+    """Number of walkers per area over the mean of the whole dish."""
     speed: Array
     """Mean speed, mm/s; NaN where no walker came."""
     alignment: Array
     """Mean cos 2(heading - wall): 1 along the wall, -1 across, 0 at random."""
     near_density: Array
-    """Density within `near` of the wall over the mean, at each time, shape (F,)."""
+    """Density within `near_distance` of the wall over the mean, in each frame, shape (F,)."""
     near_speed: Array
-    """Mean speed there, shape (F - 1,), mm/s."""
+    """Mean speed within `near_distance`, shape (F - 1,), mm/s."""
     near_alignment: Array
-    """Mean alignment there, shape (F,)."""
+    """Mean alignment within `near_distance`, shape (F,)."""
 
 
 def near_distance(film: CrowdFilm) -> float:
-    """Return the largest distance (mm) from a wall at which a walker counts as at it: at most a mean diameter."""
+    """Return the distance (mm) from a wall within which a walker counts as at the wall: at most a mean diameter."""
     return min(pairs.length_scale(film), 0.5 * dish_geometry.max_wall_distance(film.dish))
 
 
