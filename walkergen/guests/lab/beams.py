@@ -13,13 +13,13 @@ FIRST_MODE = 1.875104068711961**2
 """Square of the first root of cos x cosh x = -1: a cantilever's first mode."""
 
 ROOT_FACTOR, ROOT_FACTOR_SD = 0.42, 0.1
-"""Length that a root in a block of its own material adds to a beam, over its thickness. By plane elements, which the
-tests repeat, 0.42 for blocks 5 to 20 times as thick, held at back or sides; for a half-space 16.67 / (12 pi) = 0.44
+"""Length that a root in a block of its own material adds to a beam, over its thickness. Plane elements, which the
+tests repeat, give 0.42 for blocks 5 to 20 times as thick, held at back or sides; a half-space 16.67 / (12 pi) = 0.44
 (O'Donnell, J. Appl. Mech. 27, 461, 1960). The deviation is for hands that hold a block."""
 
 CLAMP_FACTOR, CLAMP_FACTOR_SD = 0.05, 0.02
-"""Apparent shortening of a strip at its clamp, over its width: there it cannot curve across, and is stiffer by 1 /
-(1 - nu^2). By Ritz's method for a clamped plate with a loaded end, widths of 0.05 to 0.4 of its length: 0.033,
+"""Apparent shortening of a strip at its clamp, over its width. There the strip cannot curve across, and is stiffer by
+1 / (1 - nu^2). Ritz's method for a clamped plate with a loaded end, widths of 0.05 to 0.4 of its length, gives 0.033,
 0.050, 0.068 at nu = 0.30, 0.36, 0.42."""
 
 AIR_DENSITY = 1.2e-6
@@ -34,7 +34,7 @@ a / 3 (1 - 4 a^2 / 35 + ...), a = weight times length^2 over bending stiffness."
 
 
 class Strip(NamedTuple):
-    """Strip that sticks out of a block, as printed, not as drawn; lengths in mm."""
+    """Sizes of a strip that sticks out of a block, as printed, not as drawn; mm."""
 
     thickness: float
     width: float

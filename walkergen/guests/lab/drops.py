@@ -28,8 +28,8 @@ POSES_PER_DROP = 300
 """Recorded poses of a drop: the highest one is 1e-5 of the height too low."""
 
 STEP_RATIO = 0.25
-"""Time step over that of long runs. A single rebound depends on where within a step a foot lands:
-by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
+"""Time step over the step of long runs. A rebound varies with the instant within a step at which a foot lands: by a
+share of 0.02 with the step of long runs, by 0.004 with a quarter of it (10 deg, drops of 8 to 12 mm)."""
 
 
 class Drop(NamedTuple):
@@ -48,7 +48,7 @@ class Rebound(NamedTuple):
     ratio: float | None
     """sqrt(h_2 / h_1); None when the walker fell over or a leg folded before it rose."""
     fell: bool
-    """Whether the walker fell over, or a leg folded, in the simulated time: that of a perfect bounce."""
+    """Whether the walker fell over, or a leg folded, within the time of a perfect bounce."""
 
 
 class Rebounds(NamedTuple):
@@ -58,11 +58,11 @@ class Rebounds(NamedTuple):
     mean: float | None
     """Mean over the drops from the hand that rebounded; None without any."""
     sd: float
-    """Standard deviation of a drop from the hand."""
+    """Standard deviation of the rebound between drops from the hand."""
     tries: int
     """Number of drops in the mean."""
     fell: int
-    """Number of drops from the hand after which it fell over."""
+    """Number of drops from the hand after which the walker fell over."""
 
 
 def still_scene(scene: Scene) -> Scene:

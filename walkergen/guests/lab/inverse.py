@@ -1,4 +1,4 @@
-"""Inverse of a curve: from a measurement to the model's parameter, with its errors."""
+"""Inverse of a simulated curve: from a measured number to the model's parameter, with errors."""
 
 import math
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ MAX_ERRORS_AWAY = 2.0
 
 
 class Curve(NamedTuple):
-    """Simulated curve: mean `number` that a measurement gives, against the model's `parameter` (n,), ascending."""
+    """Simulated curve: mean measured `number` against the ascending `parameter` of the model, shape (n,) each."""
 
     parameter: Array
     number: Array
     spread: Array
-    """Standard deviation of single tries."""
+    """Standard deviation of the number between single tries, shape (n,)."""
     tries: Array
     """Number of simulated tries behind each mean in `number`."""
 
@@ -46,7 +46,7 @@ class Answer(NamedTuple):
     """Model parameter derived from a measured number."""
 
     text: str
-    """The range as text."""
+    """The ranges of the parameter as a sentence."""
     branches: Sequence[Branch]
     """Ranges that agree with the measured number."""
     everywhere: bool = False

@@ -1,1 +1,1 @@
-"""Job of `calibrate`: strips, block and walker to measure, and after."""
+"""Job of `calibrate`: make strips, block and walker to measure, and compute material and contact from readings."""

@@ -29,7 +29,7 @@ RATE_PATTERN = re.compile(
 SECONDS_BY_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 MIN_SAMPLES, MAX_INTERVAL_S = 400, 0.1
-"""Fewest samples of a recording, and longest time between two, s: longer ones are no seconds."""
+"""Smallest number of samples of a recording, and longest interval (s): longer ones suggest a wrong unit of time."""
 
 
 class Recording(NamedTuple):
@@ -40,7 +40,7 @@ class Recording(NamedTuple):
     felt: Array
     """Accelerations along the phone's x, y and z, mm/s^2, shape (n, 3): with gravity upward, or without."""
     linear: bool
-    """True where the app has taken gravity off."""
+    """Whether the app has removed gravity."""
     turned: Array | None = None
     """Rates of turning about the phone's x, y and z, rad/s, shape (n, 3); None: not recorded."""
 
@@ -73,7 +73,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
-    """Return the column of times and its unit, such as ms. Of several, take the elapsed seconds."""
+    """Return the name of the column of times, and its unit, such as ms. Elapsed seconds are preferred."""
     found = {name: match for name in names if (match := TIME_PATTERN.fullmatch(name.strip()))}
     if not found:
         raise InputError(f"{path}: no column of times, as 'Time (s)'; columns seen: {_format_names(names)}")
@@ -82,7 +82,7 @@ def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
 
 
 def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, float]:
-    """Return the columns of x, y and z, if possible with gravity, whether it was removed, and the factor to mm/s^2."""
+    """Return the columns of x, y and z, whether gravity was removed from them (avoided), and the factor to mm/s^2."""
     found = [(name, match) for name in names if (match := AXIS_PATTERN.fullmatch(name.strip()))]
     for linear in (False, True):
         by_axis = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}

@@ -29,14 +29,14 @@ DENSITY_READINGS = ("mass_g", "length_mm", "width_mm", "height_mm")
 
 
 class Rebound(NamedTuple):
-    """Rebound of a dropped walker."""
+    """Rebound of a dropped walker: root of the height after the impact over the height before."""
 
     measured: Measured
-    """Mean, with the error of clock and ruler."""
+    """Mean rebound, with the error of clock and ruler."""
     height: float
     """Mean height of the drops, mm."""
     spread: float
-    """Standard deviation from drop to drop beyond that of the clock; 0 if not measurable."""
+    """Standard deviation of the rebound from drop to drop, beyond the clock's error; 0 if not measurable."""
 
     @property
     def estimate(self) -> Estimate:

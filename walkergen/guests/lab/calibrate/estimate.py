@@ -15,7 +15,7 @@ DIGITS = 6
 """Significant digits of a value in a file; further digits are rounding."""
 
 UNIT_LABELS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
-"""Displayed units, by those of keys."""
+"""Displayed units, by the units in keys."""
 
 
 class Estimate(NamedTuple):
@@ -28,7 +28,7 @@ class Estimate(NamedTuple):
     """Sum of squares of the readings about their common value, over their errors."""
     dof: int = 0
     sets: tuple[str, ...] = ()
-    """Key of design or scene (these begin with scene.) that it sets, and that of its error."""
+    """Keys of design or scene (the latter begin with scene.) that the number and its error set."""
     parts: tuple[str, ...] = ()
     """Parts whose numbers were averaged, such as block and walker."""
 
@@ -46,7 +46,7 @@ class Estimate(NamedTuple):
 
     @property
     def settings(self) -> dict[str, float]:
-        """Keys that it sets, with their values."""
+        """Values of number and error by the keys in `sets`."""
         return {key: float(f"{value:.{DIGITS}g}") for key, value in zip(self.sets, self.number.pair, strict=False)}
 
     @property
@@ -58,7 +58,7 @@ class Estimate(NamedTuple):
 
 
 class Single(NamedTuple):
-    """Number by the readings of one part alone."""
+    """Number from the readings of one part alone."""
 
     part: str
     number: Quantity

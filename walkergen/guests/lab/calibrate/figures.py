@@ -11,16 +11,16 @@ METHOD_LOOKS = {
     BEND_METHOD: (LEG_STYLES["flexible"], False, -1.0, "under weights"),
     RING_METHOD: (LEG_STYLES["braced"], True, 1.0, "by its ring"),
 }
-"""Look, whether it is hollow, side and words of each method."""
+"""Look of each method's points, whether they are hollow, the side of their offset, and their label."""
 
 FIT_LABELS = {"both": "all", BEND_METHOD: "all weights", RING_METHOD: "all rings"}
 """Labels of the data behind the fitted line."""
 
 HEADROOM = 0.3
-"""Height that is left to the words above the points, over theirs."""
+"""Height of the space for the legend above the points, over the height of the points."""
 
 METHOD_OFFSET = 0.008
-"""Distance of the two methods from their strip's thickness, over the largest, so that bars show."""
+"""Offset of each method's points from the strip's thickness, over the largest thickness: bars do not overlap."""
 
 
 @style()

@@ -54,8 +54,8 @@ FILMED_ANGLE = "filmed_deg"
 """Angle of an incline on which a part was filmed as it slid; needs the film's tracks."""
 
 AIR_SHARE = "air_percent"
-"""Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
-with what the printer's lines leave; it counts in the mass that rings."""
+"""Share of a strip's cross-section, in percent, that its lines leave open: round sides, and gaps between lines. The
+empty form contains the printer's value. Air lowers the mass that rings."""
 
 SLIDING_KINDS = {"slides_deg": SLIDE_KIND, FILMED_ANGLE: SLIDE_KIND._replace(rows=0)}
 STRIP_KINDS = {
@@ -83,16 +83,16 @@ class Reading(NamedTuple):
     """Mean of readings of one kind under one condition."""
 
     number: Quantity
-    """Mean; its standard error is the larger of that of the scatter and of the one stated."""
+    """Mean of the tries. Its standard error is the larger of the one from their scatter and the stated one."""
     stated: float
-    """Standard error by the stated errors of the tries."""
+    """Standard error of the mean from the stated errors of the tries."""
     tries: int
     scatter: float | None
-    """Standard deviation of the tries; None of one."""
+    """Standard deviation of the tries; None for a single try."""
     weight_g: float = 0.0
     at_mm: float = 0.0
     tracks: Path | None = None
-    """Tracks of the film, where there is one."""
+    """File of the film's tracks; None without a film."""
 
 
 class _Condition(NamedTuple):
@@ -106,7 +106,7 @@ class _Condition(NamedTuple):
 
 
 Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
-"""Readings by part and kind: one, or one for each condition."""
+"""Mean readings by part and kind, one for each condition."""
 
 
 def reading_kinds(part: str) -> Mapping[str, Kind] | None:
@@ -240,7 +240,7 @@ def _parse_number(name: str, cell: str, largest: float, allow_zero: bool = False
 
 
 def _mean_reading(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
-    """Average tries (value, error), weighted by their stated errors. `film`: file of tracks of the slide, if filmed."""
+    """Return the mean of tries (value, error), weighted by their errors. `film`: tracks of the slide, None without."""
     values, errors = np.array(pairs).T
     weights = errors**-2 / (errors**-2).sum()
     stated = float((errors**-2).sum() ** -0.5)

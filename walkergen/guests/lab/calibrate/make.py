@@ -53,7 +53,7 @@ def calibrate_form(request: CalibrateFields, setup: Setup, folder: Path, progres
         if each is not None and not each.agrees:
             notes.append(f"{what}: {', '.join(each.parts)} disagree, which increases its error")
     if rebound is not None and drop is not None:
-        estimates += [rebound.estimate, *_restitution(rebound, drop)]
+        estimates += [rebound.estimate, *_restitution_estimate(rebound, drop)]
         notes += _drop_notes(rebound, drop)
         measured = _apply_settings(estimates, setup, path)
     made = report.make_report(estimates, moduli, drop, [*notes, *missing], measured, path.name, folder)
@@ -72,7 +72,7 @@ def calibrate_drop(request: CalibrateFields, setup: Setup, folder: Path, progres
     drop = _invert_rebound(rebound, setup, request, progress)
     if drop is None:
         raise InputError(f"‹height_mm=›{request.height_mm:g}: {FELL_OVER_REASON}")
-    found = _restitution(rebound, drop)
+    found = _restitution_estimate(rebound, drop)
     measured = setup._replace(scene=_apply_settings(found, setup, Path("drop")).scene) if found else setup
     title = f"Drop of {setup.design.name}, {setup.design.tilt_deg:g} deg, {setup.design.kind} legs"
     notes = _drop_notes(rebound, drop)
@@ -113,8 +113,8 @@ def _invert_rebound(rebound: Rebound, setup: Setup, request: CalibrateFields, pr
     return inverse.invert(curve, rebound.measured, "restitution", f" at {design.tilt_deg:g} deg")
 
 
-def _restitution(rebound: Rebound, drop: Answer) -> list[Estimate]:
-    """Return the estimate of the feet's restitution, or an empty list unless the drop gives exactly one range."""
+def _restitution_estimate(rebound: Rebound, drop: Answer) -> list[Estimate]:
+    """Return a list with the estimate of the feet's restitution; empty unless the drop gives exactly one range."""
     number = drop.number("restitution")
     sets = ("scene.contact.restitution", "scene.contact.restitution_sd")
     tries = rebound.measured.tries
@@ -122,7 +122,7 @@ def _restitution(rebound: Rebound, drop: Answer) -> list[Estimate]:
 
 
 def _apply_settings(estimates: Sequence[Estimate], setup: Setup, path: Path) -> Setup:
-    """Return walker and scene with the estimates, named after the file of measurements."""
+    """Return design and scene with the estimates as values of their keys, named after the file of measurements."""
     settings = report.collect_settings(estimates)
     outside = {key.removeprefix("scene."): value for key, value in settings.items() if key.startswith("scene.")}
     inside = {key: value for key, value in settings.items() if not key.startswith("scene.")}
@@ -130,7 +130,7 @@ def _apply_settings(estimates: Sequence[Estimate], setup: Setup, path: Path) -> 
 
 
 def _make_variant(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
-    """Return a design or scene with these keys, named after the file of measurements."""
+    """Return a design or scene with the values in `keys`, named after the file of measurements."""
     description = f"As {original.name}, measured: {path.name[:200]}"
     return original.variant(**keys, name=name_after(original.name, path), description=description)
 

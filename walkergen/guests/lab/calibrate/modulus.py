@@ -31,11 +31,11 @@ PA_PER_GPA, G_MM3_PER_G_CM3 = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
 
 OFFSET_NAME = "offset"
-"""Name of a length that is added to all thicknesses and may be free in a fit. With RING_METHOD free, the ring has
+"""Name of a length that is added to all thicknesses, as a free parameter of a fit. A free RING_METHOD gives the ring
 its own modulus."""
 
 WEIGHT_SD, POSITION_SD_MM = 0.01, 0.5
-"""Errors assumed of weights, relative, and of the places where they hang."""
+"""Assumed relative error of weights, and error of the positions where they hang."""
 
 DENSITY_SD = 0.03
 """Relative error of a density that was not measured."""
@@ -48,14 +48,14 @@ MIN_MODULUS_GPA, MAX_MODULUS_GPA = 1e-3, 30.0
 Materials Selection in Mechanical Design, chart of modulus and density)."""
 
 MIN_SINGULAR_RATIO = 1e-7
-"""Least singular value of the slopes, over the largest, below which readings leave numbers open."""
+"""Singular value of the Jacobian, over the largest one, below which readings do not determine all parameters."""
 
 FIT_ROUNDS = 2
-"""Number of fits, one after the other: errors that grow with a deflection are those of the fit before."""
+"""Number of successive fits: errors that grow with a deflection come from the fit before."""
 
 
 class Point(NamedTuple):
-    """Modulus by one strip and one method alone."""
+    """Modulus from one strip and one method alone."""
 
     strip: str
     method: str
@@ -70,10 +70,10 @@ class Moduli(NamedTuple):
     """Young's modulus: fitted to all strips, of each strip, and two checks (`ring_excess` and `thickness_offset`)."""
 
     fit: Estimate
-    """Young's modulus that they agree on."""
+    """Young's modulus fitted to all strips, GPa."""
     points: Sequence[Point]
     by: str
-    """Method that counts, BEND_METHOD or RING_METHOD of `specimens`, or both."""
+    """Method of `fit`: BEND_METHOD, RING_METHOD or "both"."""
     ring_over_bend: Quantity | None
     offset: Quantity | None
 
@@ -198,7 +198,7 @@ def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
 
 
 def _deflection_errors(strips: Sequence[Specimen], deflections: Array) -> Array:
-    """Return the errors (mm) of deflections, shape (n,), by the readings, the weights and their positions."""
+    """Return the errors (mm) of deflections, shape (n,), due to the readings, the weights and their positions."""
     bends = [bend for strip in strips for bend in strip.bends]
     reading = np.array([bend.number.pair[1] for bend in bends])
     position = np.array([3.0 * POSITION_SD_MM / bend.at_mm for bend in bends])

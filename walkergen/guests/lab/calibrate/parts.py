@@ -25,27 +25,27 @@ STRIP_NUMBERS = (1, 2, 3, 4)
 """Numbers of the strips, which are about as many lines thick."""
 
 WIDTH_MM = 5.0
-"""Width of the strips, which is the height of their print, to whole layers: wide enough for a nut,
+"""Width of the strips, which is their height on the bed, before it is rounded to whole layers: wide enough for a nut,
 narrow enough for a beam (beams.CLAMP_FACTOR)."""
 
 TARGET_RING_HZ = 40.0
-"""Frequency at which strips shall ring: 3 pictures a swing at 120 a second, 6 at 240; and low
-enough for paper, coins and nuts to bend them by millimetres."""
+"""Frequency at which strips shall ring: a phone at 120 frames a second takes 3 frames a swing, at 240 it takes 6.
+Paper, coins and nuts then bend the strips by millimetres."""
 
 LENGTH_STEP_MM, MIN_LENGTH_MM, MIN_SLENDERNESS = 5.0, 25.0, 20.0
-"""Step of free lengths; the shortest; and the least over the thickness, below which shear counts: by 0.1 % there."""
+"""Step of free lengths; shortest one; smallest one over the thickness, where shear adds 0.1 % to the deflection."""
 
 CLAMP_MM = (20.0, 10.0)
 """Length and depth of the block at a strip's end, which a clamp or a vice holds."""
 
 DIGIT_MM, DIGIT_DEPTH_MM = 6.0, 0.4
-"""Height and depth of the number on it."""
+"""Height and depth of the number engraved on that block."""
 
 BLOCK_MM = (30.0, 12.0, 12.0)
-"""Length, width and height (of the print, to whole layers) of the block that slides."""
+"""Length, width and height of the sliding block, before the height is rounded to whole layers."""
 
 CHAMFER_MM = 0.6
-"""Chamfer of its edges on the bed, where a first layer spreads: it would ride on them."""
+"""Chamfer of the sliding block's edges on the bed. A first layer spreads, and the block would slide on its edges."""
 
 HEAVY_BEND_RATIO, LIGHT_BEND_RATIO = 0.1, 0.05
 """Target depths over length of a strip under the heaviest and a light weight."""
@@ -57,10 +57,10 @@ class DrawnStrip(NamedTuple):
     name: str
     strip: Strip
     heavy_g: float
-    """Weight near the tip, g, that bends it by HEAVY_BEND_RATIO of its length, at the design's modulus."""
     light_g: float
+    """Weights (g) near the tip that bend it by HEAVY_BEND_RATIO and LIGHT_BEND_RATIO of its length, as computed."""
     ring_hz: float
-    """Frequency at which it rings, at the design's modulus and density."""
+    """Frequency at which it rings, computed from the design's modulus and density."""
 
 
 def make_strips(design: Design, printer: Printer) -> list[DrawnStrip]:
@@ -94,7 +94,7 @@ def _free_length(thickness: float, design: Design, longest: float) -> float:
 
 
 def _make_strip(name: str, strip: Strip, design: Design) -> DrawnStrip:
-    """Return a strip with the weights that bend it, and the frequency at which it rings."""
+    """Return a strip with the weights that bend it and its ringing frequency, from the design's modulus and density."""
     bending = beams.bending_stiffness(design.material.youngs_modulus, strip)
     length = beams.effective_length(strip.length, strip)
     mass = beams.moving_mass(1e-3 * design.material.density_g_cm3, strip)

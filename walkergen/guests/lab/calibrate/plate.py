@@ -48,7 +48,7 @@ def make_plate(
     progress: Progress,
     report_findings: Callable[[Sequence[Finding]], None],
 ) -> Report:
-    """Write a calibration plate for every printer below folder/calibration, and the empty form.
+    """Write a calibration plate for every printer, and the empty form, into folder/calibration. Return the report.
 
     Its strips are made for the material and leg of `design`, the walker of the drop test. Each printer gets 3MF and STL
     files, a map, settings, and a sheet on printing and measuring. An edited form is kept. `report_findings` is called
@@ -76,7 +76,7 @@ def make_plate(
 
 
 def _make_report(rows: Sequence[PartPosition], files: Sequence[Path], form_path: Path) -> Report:
-    """Report the parts on each plate and the next steps."""
+    """Return the report of the parts on each plate and of the next steps."""
     columns = (
         report.text_column("printer", "printer"),
         report.text_column("plate", "plate"),
@@ -93,7 +93,7 @@ def _make_report(rows: Sequence[PartPosition], files: Sequence[Path], form_path:
 
 
 def _make_pieces(design: Design, strips: Sequence[DrawnStrip], printer: Printer) -> list[Piece]:
-    """Build strips, block and walker as they lie on the bed, each with the findings of its checks."""
+    """Return strips, block and walker as they lie on the bed, each with the findings of its checks."""
     checked = []
     for part in strips:
         mesh, strip = parts.strip_mesh(part), part.strip
@@ -136,6 +136,7 @@ def _format_sheet(design: Design, strips: Sequence[DrawnStrip], layout: Layout, 
 
 
 def _locate_parts(layout: Layout) -> list[PartPosition]:
+    """Return the position of each part on each plate of a layout."""
     rows = []
     for number, plate in enumerate(layout.plates, start=1):
         for placement in plate.placements:

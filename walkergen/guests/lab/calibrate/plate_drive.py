@@ -32,10 +32,10 @@ MIN_PERIODS = 8
 """Fewest periods of the drive in a piece."""
 
 HARMONICS = 4
-"""Multiples of the drive's frequency that are fitted; those beyond half the rate only to keep them out of the noise."""
+"""Number of fitted multiples of the drive's frequency. Those beyond half the rate only keep power out of the noise."""
 
 MIN_PEAK_RATIO = 30.0
-"""Power of the drive's line over the median of the spectrum, at least."""
+"""Smallest power of the drive's line over the median of the spectrum."""
 
 MIN_SIGNIFICANCE = 3.0
 """Significance threshold of an amplitude, in standard errors."""
@@ -51,20 +51,20 @@ MIN_SETTINGS = {
     "plate.gradient_percent_per_mm": 0.005,
     "plate.rocking_percent_per_mm": 0.005,
 }
-"""Least numbers that a scene has: phones alone make as much noise, and less moves no walker."""
+"""Smallest values that are set in a scene, by key: a phone alone makes as much noise, and less moves no walker."""
 
 SIDEWAYS_THRESHOLD = 0.8
-"""Upward part of the phone's x axis above which its y axis replaces it: the phone lies on its side."""
+"""Upward component of the phone's x axis above which y replaces it, because the phone lies on its side."""
 
 FILTERED_FREQUENCY_RATIO = 0.25
-"""Frequency over the rate beyond which a phone's own filter may take off from an amplitude."""
+"""Frequency over the sampling rate above which a phone's own filter may lower an amplitude."""
 
 COLUMNS = ("quantity", "value", "se", "unit", "key", "refused")
 """Columns of calibration.csv."""
 
 
 class Row(NamedTuple):
-    """Number of the plate: its display name, with the key of a scene that it sets ("": none)."""
+    """Measured number of the plate, with its displayed name, and the key of a scene that it sets ("" for none)."""
 
     name: str
     number: Quantity
@@ -72,7 +72,7 @@ class Row(NamedTuple):
 
 
 class Sines(NamedTuple):
-    """Fits of a recording's pieces."""
+    """Sines fitted to each piece of a recording. Amplitudes are complex: z means Re[z exp(i omega t)]."""
 
     upward: Complex
     """Amplitudes (mm/s^2) of upward accelerations, shape (pieces, HARMONICS)."""
@@ -80,11 +80,11 @@ class Sines(NamedTuple):
     """Amplitudes at the drive's frequency: of accelerations (mm/s^2) along x and y of the plate and, if known, of
     turning rates (rad/s) about x and y: shape (pieces, 2) or (pieces, 4)."""
     rest: Array
-    """Upward acceleration without these sines, shape (n,), mm/s^2."""
+    """Upward acceleration minus the fitted sines, shape (n,), mm/s^2."""
 
 
 def calibrate(path: Path, setup: Setup, folder: Path | None) -> LabReport:
-    """Report the plate's motion from the recording `path`, with the updated scene. Raises InputError."""
+    """Return the report of the plate's motion in the recording `path`, with the updated scene. Raises InputError."""
     scene = setup.scene
     if scene.drive.kind == "motor":
         raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
@@ -159,7 +159,7 @@ def _round_to_six_digits(number: Quantity) -> float:
 
 
 def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row], list[str]]:
-    """Return the quantities of the plate's motion, and notes. Raises InputError, whose message begins with `source`."""
+    """Return rows with the quantities of the plate's motion, and notes. `source`: file name for InputError."""
     rate, expected = recording.rate, scene.drive.frequency
     if expected >= NYQUIST * rate:
         raise InputError(
@@ -288,7 +288,7 @@ def _fit_sines(times: Array, upward: Array, sideways: Array, frequency: float) -
 
 
 def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
-    """Return the mean of `values`, one for each piece, with its error."""
+    """Return a quantity named `key`: the mean of `values`, one for each piece, with its standard error."""
     return Quantity(
         key, unit, float(values.mean()), float(values.std(ddof=1)) / math.sqrt(len(values)), len(values) - 1.0
     )

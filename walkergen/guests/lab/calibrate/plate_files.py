@@ -1,4 +1,4 @@
-"""Pieces: parts of any kind on one plate, which need not be walkers, as files for the printer."""
+"""Files for the printer from parts of any kind, called pieces, on one plate."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,7 +21,7 @@ DARK, LIGHT = "#0072B2", "#9ECAE1"
 """Alternating colours of pieces, distinguishable in grey."""
 
 THUMBNAIL_DPI = 26
-"""Dots an inch of the picture that file managers show, of a map 10 inches wide."""
+"""Dots per inch of the thumbnail in a 3MF file, from a map 10 inches wide."""
 
 
 class Piece(NamedTuple):
@@ -30,7 +30,7 @@ class Piece(NamedTuple):
     name: str
     mesh: Mesh
     label: str
-    """Words on the map."""
+    """Text on the map."""
     findings: Sequence[Finding]
     has_supports: bool = False
     """Whether it prints with supports."""
@@ -65,7 +65,7 @@ def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -
 
 
 def piece_loads(layout: Layout, density: float) -> list[Load]:
-    """Return mass (g) and side area of the plastic of each piece, as drawn, at a density (g/cm^3)."""
+    """Return mass (g), density (g/cm^3) and side area of the plastic of each piece, as drawn."""
     return [
         Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, print_sheet.side_area(piece.mesh))
         for piece in layout.pieces
@@ -95,7 +95,7 @@ def plate_files(
 
 
 def _draw_map(layout: Layout, plate: Plate, title: str) -> "Figure":
-    """Draw every piece of a plate at its place on the bed, from above, with its label."""
+    """Draw every piece of a plate at its position on the bed, from above, with its label."""
     from matplotlib.figure import Figure
 
     wide, deep = layout.printer.bed_width_mm, layout.printer.bed_depth_mm

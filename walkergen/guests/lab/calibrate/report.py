@@ -32,7 +32,7 @@ def make_report(
     title: str,
     folder: Path,
 ) -> LabReport:
-    """Report results of a form or a drop. `drop`: its restitution. `measured`: design and scene with the results."""
+    """Return the report of a form or drop. `drop`: restitution from the drop. `measured`: updated design and scene."""
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),
@@ -87,7 +87,7 @@ def _point_facts(point: Point) -> dict[str, Any]:
 
 
 def _strip_table(moduli: Moduli) -> Table:
-    """Return the table of the modulus from each strip and method alone: the points of the figure."""
+    """Return the table of Young's modulus from each strip and method alone, as the figure shows it."""
     agreed, _ = moduli.fit.number.pair
     rows = [
         (each.strip, each.method, each.thickness.value, *each.modulus.pair, each.readings) for each in moduli.points

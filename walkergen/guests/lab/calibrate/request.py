@@ -36,7 +36,7 @@ KINDS_BY_FIELD = {
     "prusaslicer": ("plate",),
     "strict": ("plate",),
 }
-"""Kinds of calibration that each field belongs to."""
+"""Kinds of calibration (form, drop, plate) in which each field has a meaning."""
 
 
 class CalibrateRequest(CalibrateFields):
@@ -85,13 +85,13 @@ class CalibrateRequest(CalibrateFields):
         return self._calibrate_drop(given, progress)
 
     def _read_setup(self, given: "Inputs") -> "Setup":
-        """Read the walker and the scene."""
+        """Return the design and the scene that the request names."""
         from walkergen.guests.lab.report import Setup
 
         return Setup(given.single_member(self.design, self.tilt, self.legs), given.scene(self.scene))
 
     def _calibrate_plate(self, path: Path) -> "Report":
-        """Estimate the drive of the recorded plate."""
+        """Estimate the drive from a recording of the plate, and write the report."""
         from walkergen.core.files import output
         from walkergen.guests.lab.calibrate import plate_drive
         from walkergen.guests.lab.report import write_report
@@ -120,7 +120,7 @@ class CalibrateRequest(CalibrateFields):
         return make.calibrate_drop(self, setup, folder, progress)
 
     def _make_plate(self, given: "Inputs", progress: Progress) -> "Report":
-        """Make a plate to measure."""
+        """Write a plate of parts to measure, and return its report with warnings."""
         from walkergen.core.printing import findings as printed
         from walkergen.guests.lab.calibrate import form, plate
 

@@ -31,10 +31,10 @@ HOUSEHOLD_WEIGHTS = (
     ("nut M10", 11.6),
     ("nut M12", 17.3),
 )
-"""Weights (g) at hand: coins by their mints, nuts of steel by DIN 934, paper by its grammage."""
+"""Everyday objects and their weights (g): coins from their mints, steel nuts from DIN 934, paper from its grammage."""
 
 MAX_WEIGHT_DIFFERENCE = 0.35
-"""Largest relative difference between a wanted weight and the ordinary one named for it."""
+"""Largest relative difference between a computed weight and the everyday object named for it."""
 
 
 def nearest_weight(grams: float) -> str:
@@ -44,7 +44,7 @@ def nearest_weight(grams: float) -> str:
 
 
 def to_markdown(strips: Sequence[DrawnStrip], design: Design, printer: Printer) -> str:
-    """Return the part of the sheet on measuring, with tables of the strips. Its text is in the assets."""
+    """Return the sheet's part on measuring as Markdown: the text in the assets, with tables of the strips."""
     words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
     return words.format(
         form=form.FORM_FILE,

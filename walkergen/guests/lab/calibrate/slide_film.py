@@ -24,7 +24,7 @@ CORRELATED_FRAMES = 10
 """Approximate number of neighbouring frames with equal errors."""
 
 MAX_STILL_SHARE = 0.1
-"""Largest displacement of a still part over that of the sliding part: reading errors, a camera's shake."""
+"""Largest displacement of a part at rest over that of the sliding part, due to reading errors and a shaking camera."""
 
 MAX_FRICTION_CHANGE, MIN_SIGNIFICANCE = 0.1, 4.0
 """Change of the friction along the path that indicates several slides in a film, and its minimum significance in
@@ -69,7 +69,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
 
 
 def _visible_positions(position: Array, frame_seconds: float) -> tuple[Array, Array]:
-    """Return times (s, mean 0) and positions (mm, (n, 2)) of the frames that show the part, not NaN in `position`."""
+    """Return times (s, mean 0) and positions (mm, shape (n, 2)) of the frames in which `position` is not NaN."""
     seen = ~np.isnan(position).any(axis=1)
     times = frame_seconds * np.flatnonzero(seen)
     return times - times.mean(), position[seen]

@@ -1,6 +1,6 @@
-"""Measured strips: sizes, deflections, frequencies, checked against a beam.
+"""Measured strips: sizes, deflections and frequencies, checked for typical mistakes.
 
-Mistakes in writing and timing are refused if the readings show them, or named by their ratio.
+Mistakes in units and times raise errors if the readings show them, or give a note with the ratio that they leave.
 """
 
 import math
@@ -22,28 +22,28 @@ DEFAULT_AIR = Quantity("air", "", 0.0, 0.05)
 """Default share of air, and its error, in a strip."""
 
 MAX_SIZE_ERROR, MIN_SLENDERNESS = 0.25, 10.0
-"""Largest relative error of a size; least length of a strip over its thickness, for a beam."""
+"""Largest relative error of a size; smallest length of a strip over its thickness, so that it bends as a beam."""
 
 MAX_METHOD_RATIO = 3.0
-"""Ratio of the moduli by ring and by weights beyond which neither creep nor a soft clamp explains
-it: plastics differ by tens of percent between a second and a hundredth."""
+"""Ratio of the moduli from ring and weights that neither creep nor a soft clamp explains: a plastic's modulus differs
+by tens of percent between a second and a hundredth of a second."""
 
 MAX_READING_RATIO = 8.0
-"""Ratio of moduli by two readings of one method beyond which one is no modulus of that strip: a
-thickness that is off by half."""
+"""Ratio of the moduli from two readings of one method above which one reading is wrong: a thickness off by a factor of
+2 gives 8."""
 
 SLIP_TOLERANCE = 1.5
-"""Largest ratio between a number and that of a typical mistake."""
+"""Largest factor between a ratio of moduli and the ratio that a typical mistake gives."""
 
 TIME_SLIPS = {
     **{n**-2.0: f"1/{n}^2: are the times of a film in slow motion, {n} times too long?" for n in (2, 4, 8, 16, 32)},
     20.0**2: "20^2: are the times of one swing instead of 20?",
 }
-"""Slips of times by the factor that they leave on the modulus by the ring. Phones film 60 to 960
+"""Typical mistakes of times, by the factor by which they change the modulus from the ring. Phones film 60 to 960
 frames a second and play 30."""
 
 WEIGHT_SLIPS = {1e-3: "1/1000: are the weights in kg instead of g?"}
-"""Slips of weights by the factor that they leave on the modulus by weights."""
+"""Typical mistakes of weights, by the factor by which they change the modulus from weights."""
 
 
 class Specimen(NamedTuple):
@@ -56,11 +56,11 @@ class Specimen(NamedTuple):
     rings: Sequence[Reading]
     """Frequencies, Hz; weight_g is the weight on the tip."""
     air: Quantity
-    """Share of its outline that is air."""
+    """Share of its cross-section that is air."""
 
     @property
     def tries(self) -> int:
-        """Number of readings of its modulus."""
+        """Number of readings that give its modulus."""
         return sum(reading.tries for reading in (*self.bends, *self.rings))
 
 
@@ -134,13 +134,13 @@ def _check_bend(part: str, bend: Reading, length: float) -> None:
 
 
 def select_method(strips: Sequence[Specimen], method: str) -> list[Specimen]:
-    """Return strips with the readings of one method alone; those without any are left out."""
+    """Return the strips with the readings of one method alone. Strips without such readings are left out."""
     kept = [strip._replace(rings=()) if method == BEND_METHOD else strip._replace(bends=()) for strip in strips]
     return [strip for strip in kept if strip.bends or strip.rings]
 
 
 class Rough(NamedTuple):
-    """Modulus by one reading alone, without the corrections of the fit."""
+    """Modulus from one reading alone, without the corrections of the fit."""
 
     strip: str
     method: str
@@ -168,7 +168,7 @@ def check_consistency(rough: Sequence[Rough]) -> None:
 
 
 def median_modulus(rough: Sequence[Rough], method: str) -> float | None:
-    """Return the median modulus (GPa) from one method; None without readings."""
+    """Return the median modulus (GPa) from the readings of one method; None without readings."""
     own = [single.modulus for single in rough if single.method == method]
     return float(np.median(own)) if own else None
 

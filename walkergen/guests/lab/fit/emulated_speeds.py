@@ -24,7 +24,7 @@ from walkergen.points.experiments import Walker
 from walkergen.points.store import Store
 
 RUN_SECONDS = 2.0
-"""Measured time of a simulated run, s: prints differ by more than such runs of one print do."""
+"""Measured time of a simulated run, s: prints differ by more than runs of this length of one print."""
 
 DISCARDED_SECONDS = 0.5
 """Start of a run that is not measured, s."""
@@ -55,20 +55,20 @@ class FitInputs(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Callable that predicts the speed of a setting from the parameters: mean over printed walkers, and scatter."""
+    """Function that predicts the mean speed in a setting, and its scatter between prints, from the parameters."""
 
     emulator: Emulator
     floor: float
     """Scatter between prints at speed 0, mm/s, as simulated; 0 where prints do not differ."""
     share: float
-    """Scatter over speed, added to `floor` in quadrature."""
+    """Scatter between prints over the speed, added to `floor` in quadrature."""
     still: float
-    """Speed (mm/s) below which a learnt scatter no longer falls with the speed."""
+    """Speed (mm/s) below which a fitted scatter no longer falls with the speed."""
 
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
         """Return mean speed, its error from the emulator, and the scatter between prints, each (k,), mm/s.
 
-        `x`: parameters, shape (k, parameters). A column after the simulated ones: learnt scatter over speed, used then.
+        `x`: parameters, shape (k, parameters). An extra last column is the fitted scatter over speed, used if present.
         """
         simulated = len(self.emulator.centre)
         mean, sd = self.emulator(x[:, :simulated])
@@ -79,7 +79,7 @@ class Response(NamedTuple):
 
 
 STILL_SPEED_RATIO = 0.1
-"""Speed over that of the plate below which a learnt scatter no longer falls with the speed."""
+"""Speed over the plate's speed below which a fitted scatter no longer falls with the speed."""
 
 
 def sample_parameters(inputs: FitInputs, count: int) -> Array:
@@ -170,7 +170,7 @@ def plate_scene(scene: Scene, setting: Setting) -> Scene:
 
 
 def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:
-    """Fit an emulator to the speeds `y`, shape (n,), of walkers with parameters `x`, shape (n, simulated).
+    """Return an emulator fitted to speeds `y` (mm/s), shape (n,), of walkers with parameters `x`, shape (n, simulated).
 
     Walkers that fell have the speed NaN. Scatter about the emulator grows with speed. It counts as scatter between
     prints if `prints_differ`, otherwise as noise of short runs. Raises InputError when too many walkers fell.
@@ -187,7 +187,7 @@ def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> R
     floor, share = _fit_scatter(y - rough.left_out, rough.left_out)
     noise = np.hypot(floor, share * (y - rough.left_out))
     fitted = emulator.fit(x, y, noise)
-    # The residuals hold the emulator's own error as well, which is no noise: taken out.
+    # The residuals also contain the emulator's own error, which is no noise: divide it out
     excess = float(np.sqrt(np.mean((fitted.left_out / fitted.left_out_sd) ** 2)))
     floor, share = floor * excess, share * excess
     fitted = emulator.fit(x, y, noise * excess)
@@ -201,7 +201,7 @@ def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
 
     typical = float(np.sqrt(np.mean(residual**2))) or 1e-6
     columns = np.column_stack([np.ones_like(speed), speed**2])
-    # Squares of residuals scatter as the square of what they estimate: weights from a first fit.
+    # The scatter of a squared residual grows with its expected value: weights from the fit before
     weight = np.full(len(speed), typical**-2)
     for _ in range(3):
         (floor, share), _ = nnls(columns * weight[:, None], residual**2 * weight)

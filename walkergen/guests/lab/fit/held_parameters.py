@@ -26,7 +26,7 @@ MODEL_RANGES = {
 def parse_held(request: FitFields) -> dict[str, float]:
     """Parse `request.fix` to values by parameter name. Raises InputError for unknown names and values out of range."""
     model_note = "" if request.model == "theory" else f" (model {request.model})"
-    ranges, held = _ranges(request.model), {}
+    ranges, held = _held_ranges(request.model), {}
     for text in request.fix:
         name, _, number = (word.strip(" ") for word in text.partition("="))
         if name not in ranges:
@@ -51,7 +51,7 @@ def describe_assumptions(request: FitFields, walker: str, held: Mapping[str, flo
     return ", ".join([*parts, *([f"given {given}"] if given else [])])
 
 
-def _ranges(model: str) -> Mapping[str, tuple[float, float]]:
+def _held_ranges(model: str) -> Mapping[str, tuple[float, float]]:
     """Return the ranges of the parameters that a fit of a model may hold."""
     if model == "theory":
         return RANGES

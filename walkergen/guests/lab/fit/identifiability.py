@@ -1,4 +1,4 @@
-"""Summary of a posterior: parameters that were learnt, not learnt, or learnt only in combination."""
+"""Summary of a posterior: parameters that the speeds determine, do not determine, or determine only in combination."""
 
 import math
 from collections.abc import Sequence
@@ -12,26 +12,26 @@ from walkergen.guests.lab.fit.parameters import Parameter
 from walkergen.guests.lab.fit.posterior import Posterior
 
 MAX_LEARNT_RATIO = 0.9
-"""Standard deviation over that of the prior above which a parameter counts as not learnt."""
+"""Standard deviation over that of the prior above which a parameter counts as not determined by the speeds."""
 
 MAX_TRADE_ERROR = 0.5
-"""Largest error of a combination, over that of a parameter in it, for parameters to trade off."""
+"""Largest error of a combination, over that of a single parameter in it, at which a note reports the combination."""
 
 MIN_COMPONENT = 0.3
-"""Smallest component of a unit direction for a parameter to belong to it."""
+"""Smallest component of a combination's unit vector for a parameter to belong to it."""
 
 MAX_DEVIATIONS = 2.0
-"""Standard deviations of a measured value beyond which speeds that lead elsewhere disagree with it."""
+"""Distance between a measured value and the fit, in standard deviations, beyond which the speeds disagree with it."""
 
 MAX_ROW_DEVIATIONS = 2.5
-"""Standard deviations from the fit beyond which a measured speed is an outlier: 1 of 80 good ones is."""
+"""Standard deviations from the fit beyond which a measured speed is an outlier, as 1 of 80 correct ones is."""
 
 MIN_PROBABILITY = 1e-3
 """Probability of a misfit below which a model is reported not to describe the speeds."""
 
 
 class Summary(NamedTuple):
-    """State of a parameter after the fit."""
+    """Posterior of a parameter: mean, standard deviation, bounds, and the prior as text."""
 
     name: str
     mean: float

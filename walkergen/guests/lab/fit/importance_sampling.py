@@ -16,13 +16,13 @@ from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.guests.lab.fit.posterior import KEPT_DRAWS, Observed, Posterior, SpeedModel, log_likelihood
 
 DRAWS_PER_ROUND, MAX_ROUNDS = 2**13, 24
-"""Draws of a round, which add to those of earlier rounds, and rounds until sampling gives up."""
+"""Number of draws of a round, which add to those of earlier rounds, and largest number of rounds."""
 
 MIN_INDEPENDENT = 1000.0
-"""Least equivalent number of independent draws: bounds of 95 % then err by 0.1 sd."""
+"""Smallest equivalent number of independent draws: bounds of 95 % then err by 0.1 standard deviations."""
 
 PRIOR_SHARE, SPREAD_FACTOR = 0.1, 1.4
-"""Share of the draws that are the prior's, and factor on the spread of the others."""
+"""Share of the draws that come from the prior, and factor on the spread of the other draws."""
 
 
 def sample(

@@ -24,14 +24,14 @@ SEARCH_GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspac
 """Grid that the search starts from: speeds have kinks and several minima in friction."""
 
 MIN_EIGENVALUE = 0.05
-"""Smallest eigenvalue of the normalised information below which parameters are called aligned; for
-two parameters it is 1 - |correlation|."""
+"""Smallest eigenvalue of the normalised information at which parameters can still be separated. For two parameters it
+is 1 - |correlation|."""
 
 MIN_SPEED_RATIO = 0.05
 """Speed over plate speed below which walkers are not fitted; rigid legs reach some 1e-3."""
 
 SINGULAR_SHARE = 1e-6
-"""Share of the information that counts as none: differences of speeds are known to 1e-9."""
+"""Share of the information below which it counts as 0, because derivatives of speeds are exact to 1e-9."""
 
 MAX_INTERVAL_RATIO = 3.0
 """Ratio of an interval's ends above which a parameter counts as not determined."""
@@ -43,7 +43,7 @@ class Speeds(NamedTuple):
     speed: Array
     """Measured speeds, mm/s, shape (n,)."""
     se: Array | None
-    """Standard errors, mm/s; None when unknown: the scatter about the fit then replaces them."""
+    """Standard errors, mm/s, shape (n,). None if unknown: the scatter about the fit then replaces them."""
     plate_speed: Array
     """Peak speed of the plate under each walker, mm/s, shape (n,)."""
     back: InverseMass
@@ -53,16 +53,16 @@ class Speeds(NamedTuple):
 
 
 class ContactFit(NamedTuple):
-    """Parameters of the contact that describe measured speeds best, and how well they are known."""
+    """Parameters of the contact that describe measured speeds best, with their errors."""
 
     values: dict[str, float]
     """Values of all parameters in RANGES, fixed or fitted."""
     errors: dict[str, float | None]
-    """Standard errors of the fitted parameters, from the covariance; None where it has none."""
+    """Standard errors of the fitted parameters, from the covariance; None for parameters that it leaves open."""
     intervals: dict[str, tuple[float | None, float | None]]
-    """Intervals (68 %) of fitted parameters by profile likelihood; None: no end in the range."""
+    """Intervals (68 %) of fitted parameters by profile likelihood; an end is None if it is outside RANGES."""
     covariance: Array
-    """Covariance of the fitted parameters, in their order; 0 for those without any effect."""
+    """Covariance of the fitted parameters, in the order of `errors`; 0 for parameters without any effect."""
     correlation: Array
     chi2: float | None
     """Sum of squared residuals in standard errors; None when the speeds have no standard errors."""

@@ -1,4 +1,4 @@
-"""Fit: from measured speeds to the contact that predicts, simulates or describes them."""
+"""Fit a model (surrogate, simulation or theory) to measured speeds, and write the results."""
 
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from walkergen.guests.lab.report import Setup, write_report
 def fit(
     request: FitFields, setup: Setup, folder: Path, progress: Progress, expect: Expect = ignore_estimate
 ) -> FitReport:
-    """Fit a model to a file of speeds, and write the results into a folder.
+    """Fit a model to a file of speeds, write the results into a folder, and return the report.
 
     Files: tables, page and figure of the report, scene.toml, design.toml (unchanged by the theory) and a manifest. See
     `model_fit.fit` and `theory.fit`. Raises InputError, before anything is written, for unusable input and for choices

@@ -33,10 +33,10 @@ from walkergen.guests.lab.report import Setup, name_after
 from walkergen.points import effect_selection, emulator, run_time
 
 PRIOR_WALKERS, POSTERIOR_WALKERS, AHEAD_WALKERS = 64, 32, 48
-"""Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
+"""Number of walkers simulated in a setting: over the prior, over the first posterior, and in unmeasured settings."""
 
 LEARNING_S = 15.0
-"""CPU time of both posteriors and of the emulators, of one core, s: 14 with two settings, 17 with four."""
+"""CPU time (s) of one core for both posteriors and the emulators: 14 with two settings, 17 with four."""
 
 DEVIATION_KEYS = {"frequency_hz": "frequency_sd_hz", "eccentric_g_mm": "eccentric_sd_g_mm"}
 """Keys of standard deviations that do not end in _sd."""
@@ -54,7 +54,7 @@ class Band(NamedTuple):
     tilt_deg: float
     plate_speed_mm_s: float
     measured: int
-    """1 where speeds were measured; the prediction there has learnt from them."""
+    """1 where speeds were measured and used in the fit, else 0."""
     speed_mm_s: float
     low_95: float
     low_90: float
@@ -67,7 +67,7 @@ class Band(NamedTuple):
 
 
 class ModelFit(NamedTuple):
-    """Result of a fit by a model."""
+    """Result of a fit of the surrogate or of simulations."""
 
     posterior: Posterior
     seen: Measured
@@ -76,9 +76,9 @@ class ModelFit(NamedTuple):
     bands: list[Band]
     notes: list[str]
     scene: Scene
-    """Scene with the contact and damping as learnt."""
+    """Scene with the fitted contact and damping."""
     design: Design
-    """Design with the thickness and Young's modulus as learnt."""
+    """Design with the fitted thickness and Young's modulus."""
     contradictions: Sequence[str] = ()
     """Pairs of measurements that contradict each other, a sentence each."""
 
@@ -123,9 +123,9 @@ def fit(
         *identifiability.trade_off_notes(inputs.unknown.simulated, sampled.draws),
         *identifiability.misfit_notes(sampled, len(seen.speed), model),
         *(["check the speeds and those measurements, or the model is off for this walker"] if contradictions else []),
-        *_outliers(seen, bands),
+        *_outlier_notes(seen, bands),
         *notes,
-        *_caveats(inputs),
+        *_caveat_notes(inputs),
     ]
     return ModelFit(
         *(sampled, seen, rows, bands, notes),
@@ -135,8 +135,8 @@ def fit(
     )
 
 
-def _outliers(seen: Measured, bands: Sequence[Band]) -> list[str]:
-    """Return notes on rows far from the band of one more print in their setting."""
+def _outlier_notes(seen: Measured, bands: Sequence[Band]) -> list[str]:
+    """Return notes on measured speeds far from the band of one more print in their setting."""
     by_setting = {(band.tilt_deg, band.plate_speed_mm_s): band for band in bands}
     own = [by_setting[key] for key in zip(map(float, seen.tilt), map(float, seen.plate_speed), strict=True)]
     errors = np.zeros(len(own)) if seen.se is None else seen.se
@@ -209,7 +209,7 @@ def _sample_with_surrogate(
     unmeasured: Sequence[Setting],
     progress: Progress,
 ) -> tuple[Posterior, Sequence[SpeedModel], Sequence[SpeedModel]]:
-    """Sample the posterior with the surrogate. Returns also speed models of the measured and `unmeasured` settings."""
+    """Return the posterior from the surrogate, and speed models of the measured and of the `unmeasured` settings."""
     responses, unmeasured_responses = (surrogate_speeds.speed_models(inputs, some) for some in (settings, unmeasured))
     seed = inputs.scene.run.seed
     sampled = importance_sampling.sample(inputs.unknown.sampled, observed, responses, seed, progress)
@@ -223,9 +223,10 @@ def _sample_with_runs(
     unmeasured: Sequence[Setting],
     progress: Progress,
 ) -> tuple[Posterior, Sequence[SpeedModel], Sequence[SpeedModel]]:
-    """Sample the posterior with emulators over the prior, refined by walkers drawn from a first posterior.
+    """Return the posterior from emulators of simulated speeds, and emulators of measured and `unmeasured` settings.
 
-    Returns also emulators of the measured settings, and of the `unmeasured` ones over the posterior alone.
+    Emulators over the prior are refined by walkers drawn from a first posterior. Those of unmeasured settings cover the
+    posterior alone.
     """
     progress("kernels", 0, 1)
     seed = inputs.scene.run.seed
@@ -255,7 +256,7 @@ def _expected_time(inputs: FitInputs, settings: Sequence[Setting], unmeasured: S
 
 
 def _thin_draws(sampled: Posterior, inputs: FitInputs, count: int) -> Array:
-    """Return `count` draws, evenly spaced in the posterior, of the simulated parameters: shape (count, simulated)."""
+    """Return the simulated parameters of `count` evenly spaced draws of the posterior, shape (count, simulated)."""
     wide = len(inputs.unknown.simulated)
     return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 
@@ -283,7 +284,7 @@ def _predict_bands(
     return bands
 
 
-def _caveats(inputs: FitInputs) -> list[str]:
+def _caveat_notes(inputs: FitInputs) -> list[str]:
     """Return notes on the limits of the written files and bands."""
     notes = [
         "scene.toml and design.toml hold means and standard deviations. Correlations of parameters are in "

@@ -1,4 +1,4 @@
-"""Parameters that simulated speeds can determine: their ranges and priors."""
+"""Parameters that measured speeds can determine: their ranges and priors."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ DEFAULT_PRIOR: PriorName = "scene"
 """Prior of restitution and friction by default: the scene's values, as measured."""
 
 ModelName = Literal["prediction", "space"]
-"""Models to fit to speeds: the table behind speed predictions, and runs."""
+"""Models to fit to speeds: the surrogate behind speed predictions, and simulated runs."""
 
 PARAMETER_KEYS = {
     "restitution": "contact.restitution",
@@ -31,11 +31,11 @@ PARAMETER_KEYS = {
     "frequency_hz": uncertain_inputs.FREQUENCY_KEY,
     "eccentric_g_mm": uncertain_inputs.MOMENT_KEY,
 }
-"""Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
-last two of a motor."""
+"""Names of the parameters that all prints share, and their keys in `uncertain_inputs.inputs`. The last two belong to a
+motor."""
 
 SCENE_PARAMETERS = ("restitution", "friction", "tip_radius_um", "damping_ratio", "frequency_hz", "eccentric_g_mm")
-"""Names of those that a scene holds; a design has the others."""
+"""Names of the parameters that a scene contains; a design contains the others."""
 
 STATED_DEVIATIONS = {
     "restitution": ("contact", "restitution_sd"),
@@ -63,7 +63,7 @@ errors: an unevenness of 5 um brings 25 % at 10 deg, 5 % from 15 deg on."""
 
 
 class Parameter(NamedTuple):
-    """Parameter to be learnt. Its prior is truncated normal or, if `flat`, uniform from `prior.low` to `prior.high`."""
+    """Parameter to fit. Its prior is truncated normal or, if `flat`, uniform from `prior.low` to `prior.high`."""
 
     name: str
     prior: Input
@@ -96,16 +96,16 @@ class Unknown(NamedTuple):
     printed: tuple[Input, ...]
     """Inputs that differ from print to print."""
     scatter: tuple[Parameter, ...]
-    """Scatter between prints as a parameter, where speeds have no errors; else none."""
+    """Scatter between prints as a parameter, if speeds have no errors; else empty."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Everything that is learnt: the columns of a posterior's draws."""
+        """All fitted parameters, in the order of the columns of a posterior's draws."""
         return self.simulated + self.scatter
 
     @property
     def sampled(self) -> tuple[Parameter, ...]:
-        """Inputs of the surrogate: fitted parameters, and inputs that all prints of a printer share."""
+        """Parameters for the surrogate: the fitted ones, then inputs that all prints of a printer share."""
         return (*self.parameters, *(Parameter(varying.name, varying, False) for varying in self.printed))
 
     @property

@@ -23,7 +23,7 @@ class SpeedModel(Protocol):
 
 
 KEPT_DRAWS = 4096
-"""Number of draws that are kept."""
+"""Number of draws of a posterior."""
 
 
 class Observed(NamedTuple):
@@ -36,12 +36,12 @@ class Observed(NamedTuple):
 
 
 class Posterior(NamedTuple):
-    """Draws of the parameters, and how independent they are."""
+    """Draws of the parameters from their posterior, and the equivalent number of independent draws."""
 
     draws: Array
     """Parameters, shape (KEPT_DRAWS, parameters)."""
     steps: int
-    """Number of weighted draws behind these."""
+    """Number of weighted draws from which `draws` are chosen."""
     independent: float
     """Equivalent number of independent draws."""
     chi2: float

@@ -1,4 +1,4 @@
-"""Report of a fit: parameters, speeds of one more print, and the scene and design that go on."""
+"""Report of a fit: parameters, predicted speeds of one more print, and the fitted scene and design."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MAX_DRAWS = 512
-"""Draws of the posterior that are written."""
+"""Largest number of draws of the posterior that are written."""
 
 SPEED_COLUMNS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
 """Columns of speeds.csv: measured and fitted speeds."""
@@ -126,11 +126,11 @@ def make_model_report(fitted: ModelFit, caption: str, path: Path, folder: Path) 
         return figures.draw_bands(fitted.bands, fitted.seen, path.name)
 
     made = _make_report(path, caption, tables, facts, [sampled], fitted, fitted.design, draw, folder)
-    return replace(made, headline="; ".join(fitted.contradictions) or _agreement(fitted))
+    return replace(made, headline="; ".join(fitted.contradictions) or _describe_agreement(fitted))
 
 
-def _agreement(fitted: ModelFit) -> str:
-    """Return the sentence on the contact that the speeds gave, with the measurements that they agree with."""
+def _describe_agreement(fitted: ModelFit) -> str:
+    """Return a sentence on the fitted contact, with the measured values with which it agrees."""
     values = {
         row.name: f"{row.name.replace('_', ' ')} {formatting.format_with_error(row.mean, row.sd)}"
         for row in fitted.rows

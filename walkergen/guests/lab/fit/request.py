@@ -40,7 +40,7 @@ class FitRequest(FitFields):
     """
 
     def run(self, progress: Progress) -> "FitReport":
-        """Fit, and write the results."""
+        """Fit the model to the speeds, write the results, and return the report."""
         from walkergen.core.files import output
         from walkergen.guests.lab.fit import make
         from walkergen.guests.lab.report import Setup

@@ -1,7 +1,7 @@
-"""Speeds of settings from the surrogate over the parameters: what `predict` and `family` print.
+"""Speeds in each setting as functions of the parameters, from the surrogate behind `predict` and `family`.
 
-In addition to the parameters a row holds the unevenness of the printer's feet and the errors of its masses. All prints
-of a file share these.
+A row of inputs has the parameters, the unevenness of the printer's feet and the errors of its masses. All prints of a
+file share the latter two.
 """
 
 from collections.abc import Sequence
@@ -21,15 +21,15 @@ from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
 
 class SurrogateSpeed(NamedTuple):
-    """Callable that predicts the speed of a setting from the parameters. `known`: its case for the surrogate."""
+    """Function that predicts the speed in a setting. `known`: scene and design of the setting for the surrogate."""
 
     setting: Setting
     known: surrogate.SurrogateCase
     inputs: tuple[str, ...]
-    """Inputs in the order of the columns."""
+    """Names of the inputs, in the order of the columns of `x`."""
 
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
-        """Return mean speed, its common error of all prints, and the scatter between prints, each (k,), mm/s.
+        """Return the mean speed, its error common to all prints, and the scatter between prints, each (k,), mm/s.
 
         `x`: values of `inputs`, shape (k, inputs). The common error is that of the surrogate and of the model itself.
         """
@@ -43,7 +43,7 @@ class SurrogateSpeed(NamedTuple):
 
 
 def speed_models(inputs: FitInputs, settings: Sequence[Setting]) -> list[SurrogateSpeed]:
-    """Return functions that predict the speed in each setting by the surrogate. Raises InputError where it cannot."""
+    """Return functions that predict the speed in each setting. Raises InputError outside the surrogate's domain."""
     names = tuple(parameter.prior.name for parameter in inputs.unknown.sampled)
     by_setting = []
     for setting in settings:

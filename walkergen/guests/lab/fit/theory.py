@@ -29,11 +29,11 @@ THEORY_NOTE = (
     "this contact makes theory_mm_s match the speeds. Without ‹model=›theory, fit estimates the contact behind "
     "predicted speeds"
 )
-"""Note on the use of a fitted contact."""
+"""Note in the report on the use of a contact fitted to the theory."""
 
 
 class Fitted(NamedTuple):
-    """Result of a fit by the theory, and its data."""
+    """Result of a fit of the theory, and its data."""
 
     fit: ContactFit
     seen: Measured
