@@ -1,1 +1,1 @@
-"""Printed walkers filmed: from pictures to tracks, and from tracks to motion."""
+"""Films of printed walkers: from frames to tracks (`film`), and from tracks to measured motion (`analyse`)."""

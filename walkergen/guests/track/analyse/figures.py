@@ -24,7 +24,7 @@ from walkergen.files.figures import (
 from walkergen.points.track_figure import MAX_TRACKS
 
 MAX_EXPONENT_SE = 0.5
-"""Largest standard error of a local exponent that is drawn: beyond it 1 and 2 look alike."""
+"""Largest standard error of a local exponent that is drawn. With larger errors 1 and 2 cannot be distinguished."""
 
 
 @style()
@@ -69,7 +69,7 @@ def draw_msd(motion: Motion, title: str) -> Figure:
 
 def _draw_exponents(axes: Axes, exponent: Curve) -> None:
     """Draw local exponents against lag, with levels at 1 (diffusion) and 2 (a straight run)."""
-    # Walkers begin straight and end diffusing: words stand where the points are not.
+    # Walkers begin straight and end diffusing: the labels are where no points are
     for value, limit, x, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
         draw_level(axes, value)
         units = ("axes fraction", "data")
@@ -103,7 +103,7 @@ def draw_correlation(motion: Motion, title: str) -> Figure:
     if rate is not None:
         lag = np.linspace(0.0, motion.correlation.at[-1], 200)
         at, first = motion.correlation.at[0], motion.correlation.value[0]
-        # A mean turning that is measured within `own_s` and subtracted lessens the decay
+        # Subtracting the mean turning, measured within `detrend_time_s`, slows the decay
         bridge = lag * (1.0 - lag / motion.detrend_time_s) - at * (1.0 - at / motion.detrend_time_s)
         axes.plot(lag, first * np.exp(-rate * bridge), color=FITTED.colour, label="exponential")
     axes.set_xlim(left=0)
@@ -128,7 +128,7 @@ def draw_walkers(motion: Motion, title: str) -> Figure:
         axes.axhline(mean.value, color=FITTED.colour, label="mean, and where it lies with 95 %")
         limits = axes.get_ylim()
         axes.axhspan(*ends, color=FITTED.colour, alpha=0.15, lw=0)
-        # Bounds over two walkers are many times as wide as the points lie apart.
+        # The bounds from two walkers are many times as wide as the distance of the points
         low, high = limits
         axes.set_ylim(min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high))
     few = len(names) <= MAX_TRACKS

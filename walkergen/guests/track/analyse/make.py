@@ -1,4 +1,4 @@
-"""Analysis of tracks: from a file of tracks to a report of their motion, and a folder of it."""
+"""Analysis of tracks: from files of tracks to a report of their motion, and a folder with the results."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,7 +22,7 @@ def analyse(
     pictures: bool,
     progress: Progress,
 ) -> AnalysisReport:
-    """Read tracks of one or several files, measure their motion and, if there is a folder, write tables and figures.
+    """Return the report of the motion in one or several files of tracks and, if there is a folder, write it there.
 
     `lag_s`: lag of displacements, None for the default. Walls are those of an `arena`, or those that the tracks show.
     The plate descends toward `descent` (rad), or is level if None. Writes analysis.csv, analysis.md, walkers.csv,

@@ -24,7 +24,7 @@ MAX_WALKERS = 24
 """Largest number of walkers in a table that is printed."""
 
 MIN_TURNED_SHARE = 0.05
-"""Share of the direction that is lost, below which walkers do not turn."""
+"""Relative loss of the direction's autocorrelation below which its figure is left out, as walkers do not turn."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -32,9 +32,9 @@ class AnalysisReport(Report):
     """Motion measured from tracks, each number with its error or the reason why it has none."""
 
     motion: Motion
-    """Everything that was measured, with curves."""
+    """Measured motion: estimates, walkers and curves."""
     notes: Sequence[str]
-    """Method, doubts and omitted rows."""
+    """Sentences on the method, on doubts, and on omitted rows."""
 
     @property
     def estimates(self) -> dict[str, Quantity]:
@@ -48,8 +48,8 @@ class AnalysisReport(Report):
 
 
 ESTIMATE_COLUMNS = ("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused", "walkers")
-"""Columns of analysis.csv: a number with its unit, its error, and that by the scale of the film, which
-all lengths share; refused is the reason why it is not known, walkers their number if it is not of all."""
+"""Columns of analysis.csv. scale_se: error from the film's scale, which all lengths share. refused: reason why a value
+is missing. walkers: number of measured walkers, if not all."""
 
 SPEED_COLUMNS = ("speed_mm_s", "speed_se_mm_s")
 WALKER_COLUMNS = (
@@ -69,7 +69,7 @@ PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s"
 
 
 def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
-    """Report the motion of tracks from a file called `title`."""
+    """Return the report of the motion of tracks. `title`: name of their file. `folder`: None if nothing is written."""
     fit = motion.msd_fit.goodness if motion.msd_fit else ""
     reasons = [*track_warnings.find_all(tracks), *motion.doubts, track_warnings.describe_scale_error(motion.scale_se)]
     lines = [motion.method, fit, *reasons, tracks.note]
@@ -209,7 +209,7 @@ def _figure_names(motion: Motion) -> Iterator[str]:
     if len(motion.parallel.at):
         yield "density"
     correlation = motion.correlation.value
-    if (correlation < (1.0 - MIN_TURNED_SHARE) * correlation[:1]).any():  # less is lost: nothing to see
+    if (correlation < (1.0 - MIN_TURNED_SHARE) * correlation[:1]).any():  # if less is lost, the curve is flat
         yield "correlation"
 
 

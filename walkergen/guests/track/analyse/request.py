@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.guests.track.analyse.report import AnalysisReport
 
 UNNAMED_TRACKS = "tracks"
-"""Name in messages and titles of tracks without a file."""
+"""Name of tracks without a file, for messages and titles."""
 
 
 class AnalyseRequest(request.Request):
@@ -97,7 +97,7 @@ class AnalyseRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "AnalysisReport":
-        """Measure single walkers or, with `dish`, a crowd, whose report has another class."""
+        """Return the report of single walkers or, with `dish`, of a crowd, whose report has another class."""
         if isinstance(self.tracks, list) and self.tracks and all(isinstance(path, Path) for path in self.tracks):
             return self._measure_files(self.tracks, progress)
         with tempfile.TemporaryDirectory() as folder:
@@ -115,7 +115,7 @@ class AnalyseRequest(request.Request):
         return None if self.arena is None else dish.OPEN_GROUND if self.arena == "open" else dish.parse_dish(self.arena)
 
     def _measure_files(self, paths: list[Path], progress: Progress) -> "AnalysisReport":
-        """Measure the tracks of one recording."""
+        """Return the report of the tracks of one recording, as single walkers or as a crowd."""
         from walkergen.core.files import output
 
         if self.dish is None:

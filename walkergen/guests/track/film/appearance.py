@@ -25,10 +25,10 @@ MEDIAN_PIXELS = 40_000
 """Approximate number of pixels for medians."""
 
 BRIGHT_QUANTILE = 0.9
-"""Share of the ground that is darker than where it counts as bright."""
+"""Quantile of the ground's brightness from which it counts as bright."""
 
 NOISE_FACTOR, MIN_CONTRAST, MAX_CONTRAST = 5.0, 16.0, 100.0
-"""Smallest contrast of a walker: so many deviations of the noise, but within these steps of 255."""
+"""Smallest contrast of a walker: NOISE_FACTOR standard deviations of the noise, clipped to these steps of 255."""
 
 THRESHOLD_STEPS = 4
 """Number of thresholds that are tried, each double the one before."""
@@ -37,58 +37,58 @@ MIN_WIDTH_PX = 3.0
 """Smallest width of a walker, pixels."""
 
 MAX_WINDOW_SHARE, WINDOW_WIDTHS = 0.7, 4.0
-"""Widest window over the shorter side of the frame, and over the width of a walker, so that a few
-may touch: what is wider is ground."""
+"""Widest window over the shorter side of the frame, and over a walker's width. Objects wider than the window count as
+ground. A few walkers may touch."""
 
 WINDOW_SHARES, MIN_WINDOW_WIDTHS, WIDTH_TOLERANCE = (1.0, 0.85, 0.5), 1.6, 0.25
-"""Windows over the widest; smallest window over a walker's width; largest relative change of that width between
-windows."""
+"""Sizes of tested windows over the widest; smallest window over a walker's width; largest relative change of the
+measured width between windows."""
 
 MIN_GROUND_SHARE = 0.2
-"""Brightness of the ground, over its bright part, below which contrasts no longer grow."""
+"""Brightness of the ground, over its bright part, below which contrasts are no longer scaled up."""
 
 FIRST_BLUR_PX = 1.5
 """Standard deviation of the blur in the first search for walkers, pixels."""
 
 BLURS, MAX_BLUR_SHARE = (0.0, 1.0, 1.5, 2.0, 3.0), 0.2
-"""Blurs against noise, the first sufficient one is used; largest blur over the width."""
+"""Tested blurs (sd, pixels) against noise, the first sufficient one is used; largest blur over the width."""
 
 MIN_EDGE_SLOPE, MAX_SOFT_SHARE = 0.06, 0.2
-"""Least slope of the brightness at a walker's edge, over its contrast, 1/pixel: shades of the light
-are softer; and the share of the edge that may lack it."""
+"""Smallest slope of the brightness at a walker's edge over its contrast, 1/pixel (shades of the light have less), and
+largest share of the edge with a smaller slope."""
 
 EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
-"""Neighbours of a pixel, those at its corners included."""
+"""Neighbours of a pixel, including those at its corners, for functions of `ndimage`."""
 
 
 class Appearance(NamedTuple):
     """Differences between walkers and ground in one film."""
 
     picture: Floats
-    """Brightness of all still objects, shape (height, width)."""
+    """Median brightness of the sampled frames, which shows all objects at rest, shape (height, width)."""
     ground: Floats
     """Brightness of the ground, shape (height, width)."""
     dark: bool
-    """True when walkers are darker than the ground."""
+    """Whether walkers are darker than the ground."""
     blur: float = FIRST_BLUR_PX
-    """Deviation of the blur that takes out noise, pixels; 0 where there is little."""
+    """Standard deviation of the blur that removes noise, pixels; 0 for little noise."""
     noise: float = 0.0
     """Standard deviation of a pixel's contrast in the film."""
     threshold: float = 0.0
-    """Contrast beyond which a pixel is a walker's, steps of brightness."""
+    """Contrast above which a pixel belongs to a walker, steps of brightness."""
     contrast: float = 0.0
-    """Contrast of the walkers themselves."""
+    """Typical contrast of the walkers, steps of brightness."""
     width: float = 0.0
-    """Width of the walkers, pixels: twice the largest distance from their edge."""
+    """Width of the walkers, pixels: twice the largest distance of an inner pixel from the edge."""
 
     def contrasts(self, frame: Grey) -> Floats:
-        """Return contrasts of pixels with the ground, positive on walkers, corrected for flickering lamps."""
+        """Return the contrasts of pixels with the ground, shape (height, width), > 0 on walkers, free of flicker."""
         lamp, gain = self._light_and_gain(frame)
         sharp = (frame - lamp * self.ground) * (-gain if self.dark else gain)
         return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
 
     def slopes(self, frame: Grey) -> Floats:
-        """Compute the change of brightness from pixel to pixel, in the unit of contrasts."""
+        """Return the slope of the brightness at each pixel, shape (height, width), contrast steps per pixel."""
         _, gain = self._light_and_gain(frame)
         slope = ndimage.gaussian_gradient_magnitude(frame, math.hypot(self.blur, 1.0), output=float)
         return np.asarray(slope * gain, np.float32)
@@ -106,7 +106,7 @@ class Appearance(NamedTuple):
 def learn_appearance(
     samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
 ) -> Appearance:
-    """Measure the appearance of a film from some of its frames.
+    """Return the appearance of a film, measured in some of its frames.
 
     `dark` (are walkers darker than the ground?), `threshold` (contrast) and `width` (pixels) are measured if None.
     Raises InputError, with the findings, if nothing stands out.
@@ -138,9 +138,9 @@ def learn_appearance(
 
 
 def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:
-    """Measure the appearance of `dark` (else light) walkers in the widest window. Width 0 unless other windows agree.
+    """Return the appearance of `dark` (else light) walkers in the widest window. Width 0 unless other windows agree.
 
-    With the wrong `dark`, the gaps between walkers stand out. But these are as wide as the window allows.
+    With the wrong `dark`, gaps between walkers look like walkers. But gaps are as wide as the window allows.
     """
     widest = MAX_WINDOW_SHARE * min(picture.shape)
     looks = [
@@ -160,11 +160,11 @@ def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: f
 def estimate_ground(picture: Floats, dark: bool, widest: float) -> Floats:
     """Return the brightness of the ground, without dark (else light) things narrower than `widest` (pixels)."""
     side, window = 1.0 if dark else -1.0, round(widest) | 1
-    # A closing, but of what is seen alone: beyond the frame there is neither ground nor walker.
+    # A grey closing that ignores everything beyond the frame
     high = ndimage.maximum_filter(side * picture, window, mode="constant", cval=-np.inf)
     closed = ndimage.minimum_filter(high, window, mode="constant", cval=np.inf)
     off = closed - side * picture
-    bias = np.median(off[off < MIN_CONTRAST])  # it follows noise upward
+    bias = np.median(off[off < MIN_CONTRAST])  # a maximum of noise is above its mean
     return np.asarray(np.maximum(side * (closed - bias), 1.0))
 
 
@@ -198,7 +198,7 @@ def _widest_spots(
             spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp_spots(field, slope, threshold)
         ]
         widest = max((width for width, _ in spots), default=0.0)
-        wide = [spot for spot in spots if spot[0] > 0.5 * widest]  # marks and letters are not
+        wide = [spot for spot in spots if spot[0] > 0.5 * widest]  # leaves out marks and letters
         width, level = np.median(wide, axis=0) if wide else (0.0, 0.0)
         yield float(width), float(level)
 

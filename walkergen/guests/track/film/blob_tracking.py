@@ -22,17 +22,17 @@ from walkergen.guests.track.film.linking import Linked, Track
 from walkergen.guests.track.film.result import Outline, Tracked, Walker
 
 SAMPLE_FRAMES = 8
-"""Number of frames, from the first on, that tell the look of a film."""
+"""Number of frames, from the first on, in which the appearance of a film is measured."""
 
 SHIFT_FRAMES = 200
-"""Number of frames, about, that tell whether the camera shakes."""
+"""Approximate number of frames in which the camera's shake is measured."""
 
 LENGTH_ERROR_PX = 2.5
-"""Standard error of a length in a picture, both ends together, pixels: blur, a dark rim, a shadow.
-Films that are drawn err by less."""
+"""Standard error of a length in a frame, both ends together, pixels, due to blur, a dark rim or a shadow. Rendered
+films err by less."""
 
 MAX_STILL_PX = 0.02
-"""Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
+"""Displacement between frames, pixels, below which a walker is at rest: compression of the film moves it so far."""
 
 
 class Unmarked(NamedTuple):
@@ -41,7 +41,7 @@ class Unmarked(NamedTuple):
     look: Appearance
     linked: Linked
     straight: Sequence[Track]
-    """The same walkers, corrected for lens distortion."""
+    """Tracks of `linked.walkers`, corrected for lens distortion."""
     shake: Shake
     still: int
     """Number of frames without movement since the frame before."""
@@ -50,7 +50,7 @@ class Unmarked(NamedTuple):
 def track(
     film: Film, part: Box, request: TrackFields, lens: Lens | None, progress: Progress
 ) -> tuple[Tracked, Unmarked]:
-    """Track the walkers in a part of a film's frames. Return also the findings behind the tracks. Raises InputError."""
+    """Return walkers tracked in a part of a film's frames, and the findings behind the tracks. Raises InputError."""
     frames = _find_in_frames(film, part, request, progress)
     linked = linking.link(frames.blobs, request.frames[0], frames.clock.fps)
     straight = [_undistort(seen, lens, part) for seen in linked.walkers]
@@ -65,8 +65,8 @@ def track(
     return tracked, Unmarked(frames.look, linked, straight, frames.shake, _count_still(frames.blobs))
 
 
-class _Frames(NamedTuple):
-    """Findings in a film, frame by frame."""
+class _FrameFindings(NamedTuple):
+    """Blobs in each frame of a film, with the film's appearance, times and shake."""
 
     picture: Grey
     """First of the frames."""
@@ -76,8 +76,8 @@ class _Frames(NamedTuple):
     shake: Shake
 
 
-def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progress) -> _Frames:
-    """Find the walkers in each frame of a part of the film, with its appearance, times and shake."""
+def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progress) -> _FrameFindings:
+    """Return the blobs in each frame of a part of the film, with the film's appearance, times and shake."""
     dark = None if request.walkers is None else request.walkers == "dark"
     with films.play(film, part, request.frames, progress) as reel:
         samples = list(islice(reel.frames, SAMPLE_FRAMES))
@@ -92,7 +92,7 @@ def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progr
             if points is not None and number % max(1, reel.expected // SHIFT_FRAMES) == 0:
                 shifts.append(camera.find_shift(points, grey, blobs[-1]))
         clock = films.read_clock(film, reel.stamps, request.fps)
-    return _Frames(samples[0], look, blobs, clock, camera.measure_shake(shifts))
+    return _FrameFindings(samples[0], look, blobs, clock, camera.measure_shake(shifts))
 
 
 def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
@@ -108,18 +108,18 @@ def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
 
 
 def _undistort(seen: Track, lens: Lens | None, part: Box) -> Track:
-    """Return a walker corrected for the lens, if any. Its blobs count from the corner of `part`, the searched part."""
+    """Return a track corrected for the lens, if any. Its pixels count from the corner of `part`, the searched part."""
     return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
 def _walker_length(linked: Linked, straight: Sequence[Track]) -> float:
-    """Return the length of a walker (pixels), corrected for the lens. `straight`: `linked.walkers` so corrected."""
+    """Return the typical length of a walker (pixels), corrected for the lens as are the tracks in `straight`."""
     raw, true = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
     return linked.length * float(np.median(true / raw))
 
 
 def find_scale(request: TrackFields, length: float) -> Quantity:
-    """Return the millimetres per pixel with their standard error, as given or from a walker's length, pixels.
+    """Return the scale (mm per pixel) with its standard error: as requested, or from a walker's `length` in pixels.
 
     Errors of a scale from a length are those of blurred edges and of the given length.
     """
@@ -136,7 +136,7 @@ def _make_walker(
 ) -> Walker:
     """Build a walker with positions in mm from the lower left corner of the whole frame.
 
-    `seen`, `straight`: its blobs as filmed, and corrected for the lens. `by`: source of headings. `scale`: mm a pixel.
+    `seen`, `straight`: track as filmed, and corrected for the lens. `by`: source of headings. `scale`: mm per pixel.
     """
     left, top, _, _ = part
     raw, true = (np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs))

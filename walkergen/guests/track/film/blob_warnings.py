@@ -1,4 +1,4 @@
-"""Problems of a film of walkers without markers, each with its size: shadows, sizes, shake."""
+"""Warnings on a film of walkers without markers, each with its size: shadows, sizes, shake."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -60,7 +60,7 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
-    """Yield notes on the search, and the scale with its error."""
+    """Yield notes on the appearance of walkers, the scale with its error, and an unknown shake."""
     look, linked = found.look, found.linked
     error = " (error unknown: give it as 0.05+-0.001)"
     scale, scale_se = tracked.mm_per_px.number, tracked.mm_per_px.se
@@ -147,13 +147,13 @@ def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quan
 def shadow_pull(walkers: Sequence[Track]) -> float:
     """Compute the shift of walkers' centres by shadows, pixels; 0 if none is resolved.
 
-    A shadow lies on one side in the picture; shades that turn with a walker are its own. If walkers never turn, the two
-    cannot be distinguished.
+    A shadow lies on one side in the picture. Shades that turn with a walker belong to its body. If walkers never turn,
+    the two cannot be distinguished.
     """
     blobs = _join_blobs(walkers)
     c, s = np.cos(blobs.axis), np.sin(blobs.axis)
     ones, none = np.ones_like(c), np.zeros_like(c)
-    right = np.column_stack([ones, none, c, s])  # of shadow (2 columns) and shades (2 columns)
+    right = np.column_stack([ones, none, c, s])  # 2 columns for a shadow, 2 for shades on a walker
     down = np.column_stack([none, ones, -s, c])
     terms, pulls = np.concatenate([right, down]), np.concatenate([blobs.pull_x, blobs.pull_y])
     fit, _, rank, _ = np.linalg.lstsq(terms, pulls)
@@ -166,10 +166,10 @@ def shadow_pull(walkers: Sequence[Track]) -> float:
 
 
 def size_change(walkers: Sequence[Track]) -> tuple[Quantity, float]:
-    """Return the relative change of a walker's size over the places that walkers reach: perspective, or a lens.
+    """Return the relative change of walkers' size with their position, and the relative scatter (sd) that remains.
 
-    Returns also the standard deviation of the remaining changes, between frames and as walkers turn. A plane and a bowl
-    are fitted to the logarithm of the size, each walker with its own size.
+    A camera that looks at an angle, or a lens, changes sizes with the position. A plane and a bowl are fitted to the
+    logarithm of the size, each walker with its own mean.
     """
     blobs = _join_blobs(walkers)
     owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])

@@ -18,10 +18,10 @@ OPENING_RADIUS = 0.3
 """Radius of the disc that erases thin things, over the walkers' width."""
 
 MIN_HALF_WIDTH = 0.38
-"""Least distance from the edge to the middle of a walker, over the width: letters have less."""
+"""Smallest distance from the edge to the middle of a walker, over the walkers' width: letters have less."""
 
 CHESSBOARD_RATIO = 1.415
-"""Largest true distance over a chessboard's."""
+"""Largest ratio of the Euclidean to the chessboard distance, rounded up from the root of 2."""
 
 MAX_HOLE_AREA = 0.8
 """Largest hole that is filled, a mark as bright as the ground, over the square of the width."""
@@ -36,26 +36,26 @@ MIN_MARK_OFFSET = 0.08
 """Smallest distance of a mark from the centre, over a walker's length."""
 
 MIN_CORE_CONTRAST, CORE_QUANTILE = 0.8, 0.7
-"""Least contrast of a walker's inside over its own, where a shadow has less; its own is that below
-which this share of all that is taken for it lies."""
+"""Smallest contrast inside a walker, over the CORE_QUANTILE of the contrasts of all its pixels. A shadow has less
+contrast."""
 
 
 class Blob(NamedTuple):
-    """One thing found in a frame; places in pixels from its upper left corner, y downward."""
+    """Object found in a frame: centre x, y (pixels from the upper left corner, y down), area (pixels) and shape."""
 
     x: float
     y: float
     area: float
     axis: float
-    """Angle of the long axis, counted counter-clockwise as one sees it, rad, in -pi/2..pi/2."""
+    """Angle of the long axis, counter-clockwise in the picture, rad, in -pi/2..pi/2."""
     length: float
     """Extent along the long axis, pixels."""
     width: float
-    """Extent across it, pixels."""
+    """Extent across the long axis, pixels."""
     mark: float
-    """Direction from the centre to the mark, counted like `axis`; NaN without a mark."""
+    """Direction from the centre to the mark, rad, counted like `axis`; NaN without a mark."""
     pull_x: float = 0.0
-    """Displacement from the centre of everything as dark (or light) as a walker to `x`, pixels: of a shadow."""
+    """`pull_x`, `pull_y`: shift of the centre by a shadow, pixels: x, y less the centre of the core without shadow."""
     pull_y: float = 0.0
 
 
@@ -74,13 +74,13 @@ class Blobs(NamedTuple):
 
 
 def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
-    """Find things at least as thick as walkers in a frame, from top to bottom. `marked`: also look for their marks."""
+    """Return the objects at least as thick as walkers in a frame, from top to bottom. `marked`: also search marks."""
     field = look.contrasts(frame)
     blobs = []
     for box, piece in connected_pieces(field > look.threshold, 0.5 * look.width):
         whole = _fill_holes(piece, look.width)
         if CHESSBOARD_RATIO * ndimage.distance_transform_cdt(whole).max() < MIN_HALF_WIDTH * look.width:
-            continue  # a letter, or a line around the plate: a true distance takes long to find
+            continue  # a letter, or a line around the plate; computing Euclidean distances would take long
         left, top = box[1].start - 1, box[0].start - 1  # a piece is padded, within the frame
         inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
         labels, count = ndimage.label(_open_mask(whole, OPENING_RADIUS * look.width), EIGHT_NEIGHBOURS)
@@ -98,10 +98,10 @@ def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
 
 
 def _coverage(mask: Mask, field: Floats) -> Floats:
-    """Return the share of each pixel that a walker covers: 1 inside its mask, by the contrasts `field` at its edge."""
+    """Return the share of each pixel that a walker covers: 1 inside its mask, from contrasts `field` at its edge."""
     near = ndimage.binary_dilation(mask, EIGHT_NEIGHBOURS)
     deep = ndimage.binary_erosion(mask, EIGHT_NEIGHBOURS, iterations=2)
-    level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
+    level = np.median(field[deep if deep.any() else mask])  # contrast inside this walker, as light is uneven
     share = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
     share[deep] = 1.0
     return share
@@ -115,8 +115,8 @@ def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
 
 
 def _fill_holes(piece: Mask, width: float) -> Mask:
-    """Fill the holes of a piece that are small for a walker of this width (pixels)."""
-    holes, count = ndimage.label(~piece)  # its outside is the first of them
+    """Return a piece whose holes are filled, if they are small for a walker of this `width` (pixels)."""
+    holes, count = ndimage.label(~piece)  # the outside counts as one, and is label 1
     if count < 2:
         return piece
     areas = np.bincount(holes.ravel())
@@ -143,7 +143,7 @@ def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
     area = float(weight.sum())
     middle_x, middle_y = (float((weight * place).sum()) / area for place in (cols, rows))
     x, y = cols - middle_x, middle_y - rows  # y upward
-    # No dot product: threads that share one cost more than it, and sum in another order.
+    # No dot product: its threads would cost more time than they save, and change the order of sums
     xx, xy, yy = (float((weight * a * b).sum()) for a, b in ((x, x), (x, y), (y, y)))
     axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
     c, s = math.cos(axis), math.sin(axis)
@@ -153,7 +153,7 @@ def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
 
 
 def _extent(weight: Floats, off: Floats, half: float) -> float:
-    """Measure the extent of a blob along a line, from the pixels within about `half` pixels of the line.
+    """Return the extent (pixels) of a blob along a line, from the pixels within about `half` pixels of the line.
 
     `weight`, `off`: covered shares of pixels, and their distances to the line. The band ends softly, over a pixel, so
     that its width is the same wherever the line runs.

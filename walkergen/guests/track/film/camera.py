@@ -1,7 +1,7 @@
-"""Shake of the camera, measured from still objects: edges of the plate, screws, letters, a table.
+"""Shake of the camera, measured from objects at rest: edges of the plate, screws, letters, a table.
 
-Points with a steep brightness are followed from frame to frame (Lucas and Kanade 1981): the shift that best explains
-the change of brightness, together with a lamp that flickers. If the ground shows nothing, the shake remains unknown.
+Points where the brightness is steep are followed from frame to frame (Lucas and Kanade 1981). A shift of the picture
+and a flicker of the lamp are fitted to the change of brightness. If the ground shows nothing, the shake is unknown.
 """
 
 import math
@@ -17,46 +17,46 @@ from walkergen.guests.track.film.blobs import Blob
 from walkergen.guests.track.film.films import Grey
 
 BLUR_PX = 2.0
-"""Deviation of the blur, pixels, within about twice which a shift is found."""
+"""Standard deviation of the blur, pixels. Shifts up to about twice this distance are found."""
 
 SLOPE_FACTOR, MIN_SLOPE = 5.0, 0.5
-"""Least slope of a point over the noise of slopes, and in steps of 255 over a pixel."""
+"""Smallest slope of the brightness at a point, over the noise of slopes, and in steps of 255 per pixel."""
 
 MAX_POINTS, MIN_POINTS = 4000, 30
-"""Number of points that are followed, and below which none are."""
+"""Largest and smallest number of points that are followed."""
 
 WALKER_MARGIN = 0.75
-"""Distance from a walker, over its length, within which nothing counts as standing still."""
+"""Distance from a walker, over its length, within which no point counts as fixed."""
 
 SHIFT_ROUNDS = 5
-"""Rounds that refine a shift."""
+"""Number of iterations that refine a shift."""
 
 MAX_SHIFT_ERROR_PX = 0.1
-"""Standard error of a shift beyond which it is not known, pixels."""
+"""Largest standard error of a shift, pixels; with a larger one the shift is unknown."""
 
 
 class FixedPoints(NamedTuple):
-    """Still points in the reference picture."""
+    """Points at rest in the reference picture, the median of the first frames."""
 
     places: Array
-    """Columns and rows, shape (2, n)."""
+    """Positions: columns and rows, shape (2, n), pixels."""
     values: Array
     """Brightness, shape (n,)."""
     slopes: Array
-    """Changes of the brightness over a pixel, along columns and rows, shape (2, n)."""
+    """Change of the brightness per pixel, to the right and down, shape (2, n)."""
 
 
 class Shake(NamedTuple):
-    """Movement of the camera, or of all still objects, pixels; NaN where unknown."""
+    """Apparent movement of objects at rest, pixels; NaN if unknown."""
 
     rms: float
     """Root mean square of the shifts along an axis."""
     largest: float
-    """Largest distance from the middle."""
+    """Largest distance of a shift from the mean shift."""
 
 
 def find_fixed_points(samples: Sequence[Grey], walkers: Sequence[Blob]) -> FixedPoints | None:
-    """Find the steepest points of the first frames, `samples`, away from `walkers`. None if there are too few."""
+    """Return the steepest points of the first frames, `samples`, away from `walkers`; None if there are too few."""
     blurred = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), BLUR_PX, output=float)
     first, last = (ndimage.gaussian_filter(samples[at], BLUR_PX, output=float) for at in (0, -1))
     noise = 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(last - first)))
@@ -97,14 +97,14 @@ def find_shift(points: FixedPoints, frame: Grey, walkers: Sequence[Blob]) -> Arr
             return unknown
         residuals = change - terms @ fit
         scatter = 1.4826 * float(np.median(np.abs(residuals[steady])))
-        steady = np.abs(residuals) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
+        steady = np.abs(residuals) <= 3.0 * scatter + 1e-9  # leaves out points that move or shine
         moved_by = moved_by - fit[:2]
     spread = scatter**2 * np.linalg.pinv(terms[steady].T @ terms[steady])
     return moved_by if np.sqrt(np.diag(spread)[:2]).max() < MAX_SHIFT_ERROR_PX else unknown
 
 
 def measure_shake(shifts: Sequence[Array]) -> Shake:
-    """Return the size of the shifts of frames (pixels, shape (2,) each, NaN if unknown) about their mean."""
+    """Return the shake: size of the shifts of frames (pixels, shape (2,) each, NaN if unknown) about their mean."""
     known_shifts = np.array(shifts).reshape(-1, 2)
     known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
     if len(known_shifts) < 2:
@@ -114,7 +114,7 @@ def measure_shake(shifts: Sequence[Array]) -> Shake:
 
 
 def _is_clear(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> Mask:
-    """Return which positions, columns and rows in shape (2, n), lie away from all walkers. Shape (n,)."""
+    """Return a mask, shape (n,), of the positions (columns and rows, shape (2, n)) that lie away from all walkers."""
     clear = np.ones(places.shape[1], dtype=bool)
     for walker in walkers:
         near = np.hypot(places[0] - walker.x, places[1] - walker.y) < WALKER_MARGIN * walker.length + 2.0 * BLUR_PX

@@ -10,7 +10,7 @@ from walkergen.request import Flag
 
 
 def _parse_frames(value: Any) -> Any:
-    """Parse a text FIRST:LAST to the number of the first frame and of the one after the last (None: the end)."""
+    """Parse a text FIRST:LAST to the numbers of the first frame and of the frame after the last (None: the end)."""
     if not isinstance(value, str):
         return value
     first, colon, last = value.partition(":")

@@ -16,21 +16,21 @@ COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of Okabe and Ito. Numbers, not colours, distinguish walkers."""
 
 HALO = (withStroke(linewidth=2.5, foreground="white"),)
-"""Rim around lines and letters, so that they are seen on any film."""
+"""White rim around lines and letters, which makes them visible on any film."""
 
 MAX_ROWS = 40
 """Largest number of walkers that have a row of their own in the lower panel."""
 
 
 def draw_check(tracked: Tracked) -> Figure:
-    """Draw the first frame with its walkers, all tracks, and the times of each."""
+    """Draw the first frame with its walkers, all tracks, and the frames that show each walker."""
     left, top, right, bottom = tracked.part
     tall = min(WIDTH_INCHES * (bottom - top) / (right - left), MAX_FRAME_INCHES)
     low = 0.9 + 0.16 * min(len(tracked.walkers), MAX_ROWS)
     figure = Figure(figsize=(WIDTH_INCHES, tall + low + 0.5), layout="constrained")
     axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
     axes.imshow(tracked.picture, cmap="gray", vmin=0, vmax=255, extent=(left, right, bottom, top), alpha=0.75)
-    axes.set_xlim(left, right)  # what is drawn later changes no limits
+    axes.set_xlim(left, right)  # fixes the limits for all that is drawn later
     axes.set_ylim(bottom, top)
     axes.set_xlabel("x (pixels)")
     axes.set_ylabel("y (pixels)")

@@ -37,7 +37,7 @@ MAX_PIXELS = 36_000_000
 MAX_FRAMES = 1_000_000
 
 MAX_LINE_BYTES = 4096
-"""Longest line between frames."""
+"""Largest number of bytes of a header line between frames."""
 
 RATE_TOLERANCE = 0.01
 """Tolerance of frame times against a constant rate, over the time between frames."""
@@ -55,34 +55,34 @@ class Film(NamedTuple):
     seconds: float
     """Duration; 0 if not stated."""
     aspect: Fraction = Fraction(1)
-    """Width of a pixel of the file over its height; those of the frames are square."""
+    """Width over height of a pixel in the file. Frames that `play` yields have square pixels."""
     pictures: tuple[Path, ...] = ()
-    """Pictures that are the frames, of a folder of them."""
+    """Files of the frames, for a folder of pictures; empty for a film file."""
 
 
 class Reel(NamedTuple):
-    """Frames of a film as they come, and then their times."""
+    """Frames of a film while it is read, and the file of their times."""
 
     frames: Iterator[Grey]
-    """Parts of the frames to be searched. Raises InputError where a frame is incomplete, or where there are too
-    many."""
+    """Searched part of each frame. The iterator raises InputError at an incomplete frame, or if there are too many
+    frames."""
     expected: int
-    """Expected number of frames from the film's metadata, 1 at least."""
+    """Number of frames expected from the film's metadata, at least 1."""
     stamps: Path
-    """File of the times, complete after the last frame."""
+    """File of the frames' times, complete after the last frame."""
 
 
 class Clock(NamedTuple):
     """Times of a film's frames."""
 
     times: Array
-    """Time of each frame from the first on, 0 for it, s, shape (frames,)."""
+    """Time of each frame since the first one, s, shape (frames,)."""
     fps: float
-    """Frames per second in the mean."""
+    """Mean number of frames per second."""
     regular: bool
-    """True when all frames come at that rate."""
+    """Whether all frames are evenly spaced at that rate."""
     played_s: float
-    """Time of the last frame as the film plays."""
+    """Time of the last frame when the film is played, s."""
 
     @property
     def in_words(self) -> str:
@@ -143,7 +143,7 @@ def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progre
     expected = max((count if last is None else last) - first, 1)
     with tempfile.TemporaryDirectory() as folder:
         stamps = Path(folder) / "stamps"
-        # As they come, in the container's own unit of time, which ffmpeg else rounds to frames.
+        # Frames keep their times, in the container's unit of time, which ffmpeg would round to frames
         options = [
             "-fps_mode",
             "passthrough",
@@ -170,7 +170,7 @@ def _crop_frames(frames: Iterator[Grey], part: Box, expected: int, progress: Pro
 
 
 def check_frame_count(frames: int, first: int) -> None:
-    """Raise InputError if `frames`, the number of frames from number `first` on, is below two."""
+    """Raise InputError if `frames`, the number of frames from frame `first` on, is below two."""
     if frames < 2:
         raise InputError(f"{frames} frame{'' if frames == 1 else 's'} from {first} on: at least 2 are needed")
 
@@ -191,7 +191,7 @@ def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", mes
             raise InputError(f"{film.path}: more than {MAX_FRAMES} frames. Cut the film")
         if number >= first:
             yield np.frombuffer(data, np.uint8).reshape(film.height, film.width)
-    process.wait()  # it writes the last of the times at its end
+    process.wait()  # ffmpeg writes the last times when it ends
 
 
 def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:

@@ -18,7 +18,7 @@ HEADING_SOURCES: tuple[By, ...] = get_args(By)
 """Sources that decide which end is the front."""
 
 MIN_ELONGATION = 1.2
-"""Smallest length over width of a walker whose long axis is known."""
+"""Smallest length over width of a walker whose long axis can be measured."""
 
 MAX_TURN = math.radians(40.0)
 """Largest turn of a long axis between two frames that show it; beyond 90 degrees it is ambiguous."""
@@ -85,9 +85,9 @@ def _mark_votes(axis: Array, mark: Array) -> float:
 
 
 def _distance_ahead(axis: Array, walker: Track, part: slice) -> float:
-    """Return how far (pixels) a walker runs forward along its `axis` (rad) in a part of its track, or 0 if too short.
+    """Return the path (pixels) of a walker along its `axis` (rad) in a part of its track, or 0 if it is too short.
 
-    It is negative if the walker runs backward, so that its sign tells the front. `axis`: in the frames of the part.
+    It is negative if the walker runs opposite to the axis. `axis`: angles in the frames of the part.
     """
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])

@@ -25,23 +25,23 @@ ASPECT_TOLERANCE = 0.01
 """Largest relative difference of the shapes of two pictures of one lens, width over height."""
 
 MAX_RESIDUAL_PX = 0.05
-"""Distance of a straightened place, bent again, from where it was seen, pixels: beyond it the
-coefficients have no answer there."""
+"""Largest distance, pixels, of a position from itself after correction and distortion. If it is larger, the
+coefficients have no inverse there."""
 
 STRETCH_STEP_PX = 1.0
-"""Half of the way over which a lens's local stretch is taken, pixels."""
+"""Half of the distance over which the local stretch by a lens is measured, pixels."""
 
 
 class Lens(NamedTuple):
     """Lens of a camera, for pictures of one size. Its fields are plain numbers, for a manifest in JSON."""
 
     width: int
-    """Width of the pictures it was calibrated with, pixels."""
+    """Width of the pictures of the calibration, pixels."""
     height: int
     focal: tuple[float, float]
     """Focal lengths along a row and down, pixels."""
     middle: tuple[float, float]
-    """Place of the optical axis, pixels whose middles are whole numbers."""
+    """Position of the optical axis, pixels; the middle of a pixel has whole numbers."""
     distortion: tuple[float, ...]
 
     def for_film(self, width: int, height: int) -> "Lens":
@@ -94,7 +94,7 @@ class Lens(NamedTuple):
         places = np.column_stack([blobs.x, blobs.y]) + offset + 0.5
 
         def undistort_vectors(angle: Array) -> Array:
-            """Return the images after correction, shape (n, 2), of unit vectors at these angles (rad) at the blobs."""
+            """Return corrected vectors, shape (n, 2), of unit vectors at angles (rad), shape (n,), one at each blob."""
             step = STRETCH_STEP_PX * np.column_stack([np.cos(angle), -np.sin(angle)])
             vectors = self.undistort(places + step) - self.undistort(places - step)
             return np.asarray(0.5 * vectors / STRETCH_STEP_PX)

@@ -10,16 +10,16 @@ from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.blobs import Blob, Blobs
 
 MIN_AREA_RATIO, MAX_AREA_RATIO = 0.5, 1.6
-"""Range of areas, over that of a walker, of a single walker; larger things are several."""
+"""Range of areas of a single walker, over the typical area; larger objects are several walkers."""
 
 MAX_STEP_LENGTHS = 0.5
 """Largest distance moved from frame to frame, over a walker's length."""
 
 MEMORY_S = 0.2
-"""Longest time after which a lost walker is still recognised."""
+"""Longest time after which a lost walker is still recognised, s."""
 
 MIN_TRACK_FRAMES, MIN_TRACK_SHARE = 5, 0.05
-"""Least number of frames of a track, and least part of the film's frames."""
+"""Smallest number of frames of a track, and smallest share of the film's frames."""
 
 
 class Track(NamedTuple):
@@ -43,9 +43,9 @@ class Linked(NamedTuple):
     empty: int
     """Number of frames without an object."""
     merged: int
-    """Number of frames with something as large as several walkers, left out."""
+    """Number of frames with an object as large as several walkers. Such objects are left out."""
     short: int
-    """Tracks that were too short and were left out."""
+    """Number of tracks that were left out because they are too short."""
 
 
 def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
@@ -88,9 +88,9 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
 
 
 def typical_area(areas: Array) -> float:
-    """Compute the area of a typical walker: larger things have half of the total area.
+    """Return the area of a typical walker: objects of at least this area have half of the total area.
 
-    Many small things, or a few walkers that touch, do not change it.
+    Many small objects, or a few walkers that touch, hardly change it.
     """
     ordered = np.sort(areas)
     return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])

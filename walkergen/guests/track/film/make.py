@@ -30,7 +30,7 @@ MIN_VALUE, MAX_VALUE = 1e-6, 1e9
 
 
 def track(request: TrackFields, folder: Path, progress: Progress) -> TrackReport:
-    """Track the walkers of a film and write tracks.csv, check.png and manifest.json.
+    """Track the walkers of a film, write tracks.csv, check.png and manifest.json, and return the report.
 
     Raises InputError, before anything is written, if the film cannot be read or shows no walker.
     """

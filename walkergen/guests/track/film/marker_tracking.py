@@ -29,25 +29,25 @@ MARKER_MM = 7.2
 """Side of the markers that `plate --caps` prints by default, black frame included."""
 
 EDGE_ERROR_PX = 0.2
-"""Standard error of a marker's side in the picture, pixels: what its blurred edges leave of the
-scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
+"""Standard error of a marker's side in the picture, pixels, due to blurred edges. Rendered films err by as much if
+walkers blur by 2 pixels a frame, by a tenth of it without blur."""
 
 MIRROR_SAMPLES = 8
 """Number of frames searched for mirrored markers if no others are found."""
 
 MAX_DOUBLE_SHARE = 0.02
-"""Largest share of a marker's frames with two simultaneous places: misread, not printed twice."""
+"""Largest share of a marker's frames that show its number at two places; with more, it was printed twice."""
 
 
 class LeftOut(NamedTuple):
-    """Markers that were read and are in no track."""
+    """Markers that were read but left out of the tracks, by marker number."""
 
     twice: Mapping[int, int]
-    """Number of frames that show a marker number at two places, by this number, which is left out."""
+    """Number of frames that show a marker's number at two places. These markers are left out."""
     rare: Mapping[int, int]
-    """Number of frames, by marker number, of markers that were read too rarely."""
+    """Number of frames that show a marker, for markers that were read too rarely."""
     bent: Mapping[int, int]
-    """Sightings that are no squares in the plane of the others, by number."""
+    """Number of frames in which a marker is no square in the plane of the others."""
     mirrored: Sequence[int]
     """Numbers of markers that are printed mirrored."""
 
@@ -57,16 +57,16 @@ class Marked(NamedTuple):
 
     plane: Plane
     straight: Sequence[Array]
-    """Corners of each walker's marker, corrected for the lens, shape (n, 4, 2), pixels; see `markers.Sighted`."""
+    """Corners of each walker's marker, corrected for the lens, shape (n, 4, 2), pixels, in the order of `Sighted`."""
     left_out: LeftOut
     empty: Whole
     """Numbers of the frames without a marker."""
 
 
 def track(film: Film, part: Box, request: TrackFields, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
-    """Track walkers by their markers in a part of a film's frames, in the order of their numbers.
+    """Return the walkers tracked by their markers in a part of a film's frames, and the findings behind the tracks.
 
-    Returns also the plane and the corners behind the tracks. Raises InputError if no marker is read.
+    Walkers are in the order of their numbers. Raises InputError if no marker is read.
     """
     left, top, right, bottom = part
     if min(right - left, bottom - top) < 2.0 * MIN_SIDE_PX:
@@ -113,18 +113,18 @@ def _make_walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walk
     return Walker(number, frames, middles, pose.places, theta, "its marker", side_px, first_and_last)
 
 
-class _Read(NamedTuple):
-    """Readings of a film, frame by frame."""
+class _Readings(NamedTuple):
+    """Markers in each frame of a film, its times, and its first frame."""
 
     seen: list[Sighted]
     clock: Clock
     picture: Grey
     """First of the frames."""
     mirrored: list[int]
-    """Numbers that are read in the mirror."""
+    """Numbers of markers that are read only in mirror images of frames."""
 
 
-def _read_markers(film: Film, part: Box, request: TrackFields, progress: Progress) -> _Read:
+def _read_markers(film: Film, part: Box, request: TrackFields, progress: Progress) -> _Readings:
     """Read the markers of all frames. Raises InputError."""
     left, top, right, bottom = part
     reader, seen = Reader(right - left, bottom - top), list[Sighted]()
@@ -141,7 +141,7 @@ def _read_markers(film: Film, part: Box, request: TrackFields, progress: Progres
     mirrored = [number for number in _find_mirrored(reader, samples) if number not in upright]
     if not upright or (mirrored and upright <= caps.symmetric_numbers()):
         raise InputError(_no_marker_reason(mirrored, len(seen)))
-    return _Read(seen, clock, samples[0], mirrored)
+    return _Readings(seen, clock, samples[0], mirrored)
 
 
 def _find_mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
@@ -168,7 +168,7 @@ class _Grouped(NamedTuple):
     """Tracks of a film's markers, and the markers that have none."""
 
     tracks: dict[int, tuple[Whole, Array]]
-    """Frame numbers, ascending, and corners of each walker's marker, by marker number."""
+    """By marker number: numbers of the frames, ascending, (n,), and corners in these frames, (n, 4, 2), pixels."""
     twice: dict[int, int]
     """Number of frames that show a marker number at two places, by this number, which is left out."""
     rare: dict[int, int]
@@ -182,7 +182,7 @@ def _group_by_number(seen: list[Sighted], first: int) -> _Grouped:
     double: Counter[int] = Counter()
     for at, sighted in enumerate(seen, first):
         counts = Counter(sighted.numbers.tolist())
-        # It is unknown which of the two is the walker's.
+        # It is unknown which of the two belongs to the walker
         double.update(number for number, count in counts.items() if count > 1)
         for number, square in zip(sighted.numbers.tolist(), sighted.corners, strict=True):
             if counts[number] == 1:

@@ -1,4 +1,4 @@
-"""Problems of a film with markers, each with its size: missing, duplicate or bent ones."""
+"""Warnings on a film with markers, each with its size: missing, duplicate or bent markers."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -27,10 +27,10 @@ EDGE_MARGIN_SIDES = 3.0
 crossed that edge."""
 
 MIN_SIZE_CHANGE, MIN_SIGNIFICANCE = 0.005, 3.0
-"""Change of the size of markers by a lens that is worth a warning, and how many of its errors."""
+"""Relative change of markers' size by a lens that is worth a warning, and its significance in standard errors."""
 
 MAX_NAMES = 10
-"""Most numbers that are named."""
+"""Largest number of markers that a warning names."""
 
 
 def collect_remarks(tracked: Tracked, found: Marked) -> Remarks:
@@ -57,7 +57,7 @@ def collect_remarks(tracked: Tracked, found: Marked) -> Remarks:
 
 
 def _scale_change(found: Marked) -> float:
-    """Return the largest scale (mm a pixel) over the smallest, less 1, at the places that walkers reach."""
+    """Return the largest scale (mm per pixel) over the smallest, less 1, at the positions of walkers in the film."""
     scales = np.concatenate([found.plane.scales(corners.mean(axis=1)) for corners in found.straight])
     return float(scales.max() / scales.min() - 1.0)
 
@@ -146,12 +146,12 @@ def edge_size_change(found: Marked) -> tuple[Quantity, float]:
 
 
 class Missing(NamedTuple):
-    """Frames that must contain a walker but show no marker of it."""
+    """Number of frames that must contain the walker `number` but do not show its marker."""
 
     number: int
     frames: int
     with_others: int
-    """Number of missing frames with other readable markers."""
+    """Number of these frames in which other markers were read."""
     required: int
     """Number of frames that must contain the walker."""
 

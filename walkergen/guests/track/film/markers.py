@@ -1,9 +1,9 @@
-"""Markers in a frame: their numbers and corners, found by OpenCV and placed by their edges.
+"""Markers in a frame: their numbers from OpenCV, and their corners from their edges.
 
-OpenCV's detector reads which marker stands where. Its corners pull inward where a picture is blurred; here each side of
-the black square is a straight line through the places where brightness steps from black to white, by the centroid of
-its change across the side. That is linear in the brightness, so that neither noise nor a blur that is the same on both
-sides moves it. Lines meet in corners.
+OpenCV's detector reads numbers and approximate corners, which are too far inward in blurred frames. Here each side of
+the black square is a straight line. It is fitted to the positions where brightness steps from black to white: centroids
+of the change across the side. A centroid is linear in the brightness, so neither noise nor a symmetric blur shifts it.
+The lines meet in corners.
 """
 
 from typing import Any, NamedTuple
@@ -16,40 +16,40 @@ from walkergen.core.walker.fittings import MARKER_CELLS
 from walkergen.guests.track.film.films import Grey
 
 MIN_SIDE_PX = 12.0
-"""Smallest side of a marker that is read, pixels: two a cell."""
+"""Smallest side of a marker that is read, pixels: two pixels per cell."""
 
 CELL_PIXELS = 8
 """Pixels per cell of a marker turned upright for reading: in films at low bitrate 89 % of the markers are read so,
 85 % by OpenCV's 4."""
 
 EDGE_PLACES, END_SHARE = 24, 0.15
-"""Number of places along a side where its edge is found, and part of a side free at both ends."""
+"""Number of positions along a side where its edge is searched, and share of the side left out at either end."""
 
 WINDOW_CELLS = 0.45
 """Half width of the window across a side, cells: black frame inside, white rim outside."""
 MIN_WINDOW_PX = 1.5
-"""Least half width of that window, pixels."""
+"""Smallest half width of that window, pixels."""
 SAMPLES_PER_PIXEL = 4
-"""Samples a pixel across a side."""
+"""Number of samples per pixel across a side."""
 REFINE_ROUNDS = 2
-"""Rounds of edge finding: the second in windows about the first."""
+"""Number of searches for edges: the second in windows about the edges from the first."""
 
 MIN_STEP_RATIO = 0.5
-"""Least step of a place on a side over the side's median step: less is covered or in glare."""
+"""Smallest step of brightness at a position on a side, over the side's median step. Covered parts have less."""
 
 
 class Sighted(NamedTuple):
     """Markers in one frame."""
 
     numbers: Whole
-    """Shape (n,)."""
+    """Numbers of the markers, ascending, shape (n,)."""
     corners: Array
     """Corners from the upper left one clockwise as the marker is read, shape (n, 4, 2), pixels from
     the frame's upper left corner, x to the right, y down; the first two are at the front."""
 
 
 class Reader:
-    """Detector of markers in grey frames, which keeps OpenCV's settings."""
+    """Detector of markers in grey frames of one size, with OpenCV's settings."""
 
     def __init__(self, width: int, height: int) -> None:
         import cv2
@@ -62,7 +62,7 @@ class Reader:
         self._detector: Any = cv2.aruco.ArucoDetector(dictionary, parameters)
 
     def find_markers(self, frame: Grey) -> Sighted:
-        """Find the markers of a frame, ordered by number; a number may come twice."""
+        """Return the markers of a frame, ordered by number. Two markers may have the same number."""
         corners, numbers, _ = self._detector.detectMarkers(frame)
         if numbers is None or not len(numbers):
             return Sighted(np.zeros(0, np.int64), np.zeros((0, 4, 2)))
@@ -73,7 +73,7 @@ class Reader:
 
 
 def refine_corners(frame: Grey, corners: Array) -> Array:
-    """Move approximate corners of markers, shape (n, 4, 2), to their edges. Pixels have whole numbers in the middle."""
+    """Return corners where markers' edges meet, near `corners`, (n, 4, 2). Pixels have whole numbers in the middle."""
     for _ in range(REFINE_ROUNDS):
         corners = _refine_once(frame, corners)
     return corners
@@ -111,10 +111,10 @@ def _refine_once(frame: Grey, squares: Array) -> Array:
 
 
 def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
-    """Fit lines robustly to the edges of markers. Return their offset in the middle, and slope, of shape (n, 4).
+    """Return offset in the middle, and slope, of lines fitted robustly to the edges of markers, shape (n, 4) each.
 
-    `along`: places along a side, shape (p,). `shift`: the edge's shifts there, shape (n, 4, p). `good`: whether to use
-    a shift. All lengths are divided by that of the side.
+    `along`: positions along a side, shape (p,). `shift`: shifts of the edge across the side there, shape (n, 4, p).
+    `good`: whether to use a shift. All lengths are over the length of the side.
     """
     weights = good.astype(float)
     for _ in range(3):
@@ -131,7 +131,7 @@ def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
 
 
 def _intersect_lines(normal: Array, point: Array) -> Array:
-    """Return the corners where the line of each side, by normal and point, meets that of the side before. (n, 4, 2)."""
+    """Return where the line of each side meets the line before, shape (n, 4, 2). `normal`, `point`: of the lines."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)

@@ -1,4 +1,4 @@
-"""Folders of pictures that are a film: a frame each, in the order of the numbers in their names."""
+"""Folders of pictures as films: each picture is a frame, in the order of the numbers in their names."""
 
 import re
 from collections import Counter
@@ -13,7 +13,7 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
 
 def list_pictures(folder: Path) -> tuple[Path, ...]:
-    """List the pictures of a folder, number 2 before 10.
+    """Return the pictures of a folder in the order of their numbers, 2 before 10.
 
     Raises InputError where there are none, or they differ in kind or size.
     """
@@ -38,7 +38,7 @@ def list_pictures(folder: Path) -> tuple[Path, ...]:
 
 
 def _check_same(folder: Path, quality: str, counts: Counter[str]) -> None:
-    """Raise InputError if pictures differ in a `quality`, such as "sizes". `counts`: pictures with each value of it."""
+    """Raise InputError if pictures differ in a `quality`, such as "sizes". `counts`: number of pictures by value."""
     if len(counts) > 1:
         seen = ", ".join(f"{number} of {name}" for name, number in counts.most_common(3))
         raise InputError(f"{folder}: {quality} differ: {seen}; leave only the frames of one film there")

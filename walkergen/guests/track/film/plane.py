@@ -16,23 +16,23 @@ from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array, Mask
 
 UNIT_SQUARE = 0.5 * np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)])
-"""Corners of a marker of side 1 whose front is ahead, along x, y up: upper left one first."""
+"""Corners of a marker of side 1 with its front toward +x, y up, in the order of `markers.Sighted`, shape (4, 2)."""
 
 MAX_SIGHTINGS = 3000
-"""Largest number of sightings that are fitted."""
+"""Largest number of sightings (a marker in a frame) in a fit."""
 
 SMOOTH_PX = 0.5
-"""Residual of a corner beyond which it counts by its size, no more by its square, pixels."""
+"""Residual of a corner, pixels, above which its weight in the fit grows linearly instead of quadratically."""
 
 RESIDUAL_FACTOR, MIN_RESIDUAL_PX = 5.0, 0.5
-"""Residual of a marker over the median one, and in pixels, beyond which it is misread or bent."""
+"""Residual of a marker, over the median residual and in pixels, above which it is misread or bent."""
 
 PERSPECTIVE_PRIOR_PX = 0.1
 """Distance of one corner, pixels, that counts as much in the fit as a perspective term of 1. At 1 the scale has no
 limit at the picture's edge. The prior keeps the perspective near 0 if one marker in one place does not determine it."""
 
 CORRELATED_SIGHTINGS = 25.0
-"""Number of sightings with equal errors: of one marker in neighbouring frames."""
+"""Approximate number of sightings with equal errors: those of one marker in neighbouring frames."""
 
 
 class Plane(NamedTuple):
@@ -41,9 +41,9 @@ class Plane(NamedTuple):
     middle: Array
     """Middle of the frame, pixels."""
     half: float
-    """Half of its longer side, pixels."""
+    """Half of the frame's longer side, pixels."""
     terms: Array
-    """Scales along x, of y into x, and along y, mm per half; perspective along x and y."""
+    """Five terms: scale along x, of y into x, and along y (mm per `half`), and perspective along x and y."""
     residual_px: float
     """Root mean square distance of corners from those of squares, along an axis, pixels."""
     errors: Array
@@ -59,7 +59,7 @@ class Plane(NamedTuple):
 
     @property
     def mm_per_px(self) -> float:
-        """Scale in the middle of the picture: the mean over directions."""
+        """Scale in the middle of the picture, mm per pixel: the geometric mean over directions."""
         a, _, c = self.terms[:3]
         return math.sqrt(a * c) / self.half
 
@@ -81,14 +81,14 @@ class Plane(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Places and headings of markers in the plane."""
+    """Positions and headings of n markers in the plane."""
 
     places: Array
-    """Middles, shape (n, 2), mm."""
+    """Middles of the markers, shape (n, 2), mm."""
     headings: Array
-    """Shape (n,), rad, from x toward y."""
+    """Headings, shape (n,), rad, from x toward y."""
     off_px: Array
-    """Root mean square distance of corners from those of squares, along an axis, shape (n,)."""
+    """Root mean square distance of corners from those of squares, along an axis, shape (n,), pixels."""
 
 
 def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
@@ -129,7 +129,7 @@ def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
 
 
 def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
-    """Return places and headings of markers of `side` (mm) in the plane, from corners of shape (n, 4, 2), pixels."""
+    """Return the poses of markers of `side` (mm) in the plane, from corners of shape (n, 4, 2), pixels."""
     mapped = plane.to_mm(corners)
     off, sizes = _square_offsets(mapped, corners, side)
     centred = mapped - mapped.mean(axis=1, keepdims=True)
@@ -138,7 +138,7 @@ def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
 
 
 def is_square(off_px: Array) -> Mask:
-    """Return which markers are squares in the plane, from `Pose.off_px`, shape (n,). Others are misread, or lean."""
+    """Return a mask of the markers that are squares in the plane, from `Pose.off_px`, shape (n,). Others lean."""
     return np.asarray(off_px <= max(RESIDUAL_FACTOR * float(np.median(off_px)), MIN_RESIDUAL_PX))
 
 

@@ -1,4 +1,4 @@
-"""Doubts about tracks of any film: jitter of places, films that break off, walkers that are lost."""
+"""Quality of tracks from any film: jitter of positions, length of paths, and films that break off."""
 
 import math
 from collections.abc import Sequence
@@ -10,10 +10,10 @@ from walkergen.core.numerics import Array
 from walkergen.guests.track.film.films import Clock, Film
 
 LEG_JITTERS = 10.0
-"""Length of the straight legs of a path over the jitter: noise lengthens each by its square."""
+"""Smallest length of the straight pieces of a path, over the jitter. Noise then lengthens a piece by about 1 %."""
 
 MIN_READ_SHARE, READ_MARGIN_S = 0.95, 0.5
-"""Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
+"""Share of a film's stated duration, less a margin (s) for its last frames, below which the film breaks off."""
 
 MAX_LOST_SHARE = 0.05
 """Share of frames without a walker above which a warning is due."""
@@ -23,7 +23,7 @@ class Remarks(NamedTuple):
     """Remarks on a tracked film: facts, notes and warnings."""
 
     facts: dict[str, Any]
-    """For JSON and the manifest, with units in the names."""
+    """Facts for JSON and the manifest, with units in the names."""
     notes: list[str]
     """Notes on the search, and the scale with its error."""
     warnings: list[str]
@@ -31,10 +31,10 @@ class Remarks(NamedTuple):
 
 
 def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
-    """Compute the part of a position's error that changes from frame to frame, along an axis.
+    """Return the part of a position's error (sd, along an axis) that changes from frame to frame; NaN if too short.
 
-    `tracks`: times, shape (n,), and places, shape (n, 2), of all frames, NaN where unknown. The error follows from each
-    place's distance to the line between its neighbours: uneven motion adds to it, slow errors do not. NaN if too short.
+    `tracks`: times, shape (n,), and positions, shape (n, 2), of all frames, NaN where unknown. The error follows from
+    each position's distance to the line between its neighbours. Uneven motion adds to it, slow errors do not.
     """
     squares = [np.zeros((0, 2))]
     for times, places in tracks:
@@ -49,9 +49,9 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
 
 
 def path_length(places: Array, noise: float) -> float:
-    """Measure the length of a path through positions, shape (n, 2), with a `noise` along each axis.
+    """Return the length of a path through positions, shape (n, 2), with `noise` (sd) along each axis, in their unit.
 
-    Each leg is at least ten times the noise, since noise alone would lengthen a sum over all frames.
+    Each straight piece has at least LEG_JITTERS times the noise, since noise would lengthen a sum over all frames.
     """
     least, total, last = LEG_JITTERS * noise, 0.0, places[0]
     for place in places[1:]:

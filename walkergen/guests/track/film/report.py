@@ -27,7 +27,7 @@ measured from the tracks shares this error. With markers a particle is the numbe
 """
 
 TRACKS_FILE, PICTURE_FILE = "tracks.csv", "check.png"
-"""Files of tracks, and to check them by."""
+"""Names of the file of tracks, and of the picture for checking them."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -35,7 +35,7 @@ class TrackReport(Report):
     """Walkers tracked in a film. Check `picture` before you use the numbers."""
 
     tracked: Tracked
-    """Everything that was found, walker by walker."""
+    """Tracked walkers, with the film, its times and its scale."""
     found: "Unmarked | Marked"
     """Findings behind the tracks: of walkers without markers, or with them."""
     picture: Path
@@ -43,18 +43,18 @@ class TrackReport(Report):
 
 
 class Row(NamedTuple):
-    """Track of a walker; the field names are keys of JSON."""
+    """Row of a walker in the table of walkers; the field names are keys of JSON."""
 
     particle: int
     first: int
     """First frame that shows the walker."""
     last: int
     lost: int
-    """Number of frames between these that do not show it."""
+    """Number of frames between first and last that do not show the walker."""
     net_mm: float
     path_mm: float
     turned_deg: float | None
-    """Change of its heading from the first that is known to the last."""
+    """Change of the heading from the first known one to the last; None if unknown."""
     size_px: float
     """Side of its marker in the picture, or its length."""
     heading_by: str
@@ -141,7 +141,7 @@ def _walker_rows(tracked: Tracked) -> list[Row]:
 
 
 def _facts(tracked: Tracked, remarks: Remarks) -> dict[str, Any]:
-    """Return the facts for JSON and the manifest other than walkers and warnings, with units in the names."""
+    """Return facts for JSON and the manifest, without walkers and warnings. Their names have units."""
     request, jitter = tracked.request, tracked.jitter_mm
     return {
         "film": tracked.film.path.name,

@@ -28,7 +28,7 @@ class TrackRequest(TrackFields):
     """
 
     def run(self, progress: Progress) -> "TrackReport":
-        """Track the walkers, with or without markers."""
+        """Track the walkers, with or without markers, write the results, and return the report."""
         from walkergen.core.files import output
         from walkergen.guests.track.film import make
 

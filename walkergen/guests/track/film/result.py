@@ -15,10 +15,10 @@ from walkergen.guests.track.film.lens import Lens
 
 
 class Outline(NamedTuple):
-    """Walker in one frame as the picture shows it, pixels of the whole frame, y downward."""
+    """Outline of a walker in one frame, and an arrow to its front, pixels of the whole frame, y downward."""
 
     rim: Array
-    """Closed, shape (k, 2)."""
+    """Closed polygon around the walker, shape (k, 2)."""
     arrow: Array
     """Tail and tip of an arrow to its front, shape (2, 2); NaN where its heading is not known."""
 
@@ -29,20 +29,20 @@ class Walker(NamedTuple):
     number: int
     """Number of its marker, or of the walker in order of appearance."""
     frames: Whole
-    """Ascending, shape (n,)."""
+    """Numbers of the frames, ascending, shape (n,)."""
     pixels: Array
-    """Places in the picture, shape (n, 2), pixels from the frame's upper left corner, y downward."""
+    """Positions in the picture, shape (n, 2), pixels from the frame's upper left corner, y downward."""
     position: Array
-    """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
+    """Positions from the frame's lower left corner, shape (n, 2), mm, y up."""
     theta: Array
     """Headings, shape (n,), rad, from x (to the right) toward y (up); whole turns are counted; NaN
     where one is not known."""
     heading_by: str
     """Source of the headings, or the reason why there is none."""
     size_px: float
-    """Median side of its marker in the picture, or length of the walker."""
+    """Median side of its marker in the picture, or median length of the walker, pixels."""
     outlines: tuple[Outline, Outline]
-    """As it was first and last seen."""
+    """Outlines in the first and the last of these frames."""
 
     @property
     def lost(self) -> int:
@@ -62,22 +62,22 @@ class Walker(NamedTuple):
 
 
 class Tracked(NamedTuple):
-    """Findings in a film."""
+    """Walkers tracked in a film, with the film, the searched part, the times and the scale."""
 
     film: Film
     request: TrackFields
     lens: Lens | None
     """Lens whose distortion is corrected, as read from its file; None without one."""
     part: Box
-    """Searched part."""
+    """Searched part of the frames."""
     picture: Grey
-    """That part of the first frame."""
+    """Searched part of the first frame."""
     clock: Clock
     looked: int
     """Number of searched frames."""
     walkers: Sequence[Walker]
     mm_per_px: Quantity
-    """Scale; with markers that in the middle of the picture. Its error applies to all lengths."""
+    """Scale, with markers the one in the middle of the picture. Its error applies to all lengths."""
 
     @property
     def jitter_mm(self) -> float:
@@ -85,11 +85,11 @@ class Tracked(NamedTuple):
         return quality.jitter([self._full_track(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
-        """Return the length of a walker's path, mm, without its jitter."""
+        """Return the length of a walker's path, mm, without the length that jitter would add."""
         return quality.path_length(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
 
     def _full_track(self, walker: Walker) -> tuple[Array, Array]:
-        """Return times and positions of all frames from a walker's first to its last; NaN where lost."""
+        """Return times (s, (n,)) and positions (mm, (n, 2)) of frames from a walker's first to last, NaN if lost."""
         first, last = walker.frames[[0, -1]]
         places = np.full((last - first + 1, 2), np.nan)
         places[walker.frames - first] = walker.position
