@@ -46,7 +46,7 @@ WALL_PANELS = (
 
 
 def figure_functions(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
-    """Return functions that draw the figures, by the stems of their files. Figures without data are left out."""
+    """Return functions that draw the figures, by the names of their files. Figures without data are left out."""
     curves = statistics.curves
     # Curve that a figure needs, and the function that draws the figure
     draws: dict[str, tuple[str, Callable[[], Figure]]] = {

@@ -1,4 +1,4 @@
-"""Movies and stills of a crowd from above: every walker's outline, by the thousand.
+"""Movies and stills of a crowd from above, which show the outline of every walker.
 
 `scale`: pixels per mm. N: number of walkers of the film.
 """
@@ -195,7 +195,7 @@ def _kind_colour(number: int) -> str:
 
 
 def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
-    """Create the artists that draw the walkers, one for each contour of each kind."""
+    """Create the artists that draw the walkers, one for each contour of each kind. `scale`: pixels per mm."""
     made = []
     edge = "face" if scale * _walker_size(film) < 12.0 else INK  # so small that an edge would hide their colour
     for kind in dict.fromkeys(film.kinds):
@@ -275,7 +275,7 @@ def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
 
 
 def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None) -> None:
-    """Write the picture's caption, a scale bar of a round length, and the legend of the colours."""
+    """Draw the caption, a scale bar of a round length, and the legend of the colours. `scale`: pixels per mm."""
     length = nice_floor(160.0 / scale)
     bar = canvas.add_axes(MARGIN_PX, 14, length * scale, 5)
     bar.set(xlim=(0, 1), xticks=[], yticks=[])

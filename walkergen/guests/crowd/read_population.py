@@ -56,7 +56,7 @@ def is_card(source: Any) -> bool:
 
 
 def _load_designs(request: CrowdRequest, given: Inputs, sources: list[Any]) -> list[Design]:
-    """Load the designs of a crowd. Raises InputError if tilt or legs are set for more than one design."""
+    """Load the designs in `sources`, with the request's settings. Raises InputError for a tilt of several designs."""
     if len(sources) > 1:
         request.check_unset(f"is for one design, not for {len(sources)}", "tilt", "legs")
         return [given.design(source) for source in sources]
@@ -66,7 +66,7 @@ def _load_designs(request: CrowdRequest, given: Inputs, sources: list[Any]) -> l
 def _make_flat_population(
     request: CrowdRequest, given: Inputs, scene: Scene, sources: list[Any], counts: list[int] | None
 ) -> Population:
-    """Return a population of cards. Raises InputError for keys that the cards fix."""
+    """Return a population of the cards (objects or files) in `sources`. Raises InputError for keys that cards fix."""
     why = "is fixed by the card. Measure another card (‹card›)"
     request.check_unset(why, "tilt", "legs")
     settled = [key for key in given.values if not key.startswith(("scene.crowd.", "scene.run."))]

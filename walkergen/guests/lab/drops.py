@@ -77,7 +77,7 @@ def make_plan(scene: Scene, design: Design) -> Plan:
 
 
 def with_contact(scene: Scene, **contact: float) -> Scene:
-    """Return the scene with these values of keys of its [contact], such as `restitution`."""
+    """Return the scene with other values in its table [contact], such as `restitution=0.5`."""
     return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
 
 
@@ -133,7 +133,7 @@ def simulate_drops(plan: Plan, hand: Sequence[Drop]) -> Rebounds:
 
 
 def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Drop], progress: Progress) -> list[Rebounds]:
-    """Return the rebounds at each of RESTITUTIONS of the feet: of the drops by hand in `hand`, and of a flat drop."""
+    """Return the rebounds of the drops in `hand` and of a flat drop, for each of the feet's RESTITUTIONS."""
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))

@@ -81,7 +81,7 @@ def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, n
 
 
 def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
-    """Draw the measured delay function, and the one of a particle with inertia and the card's numbers."""
+    """Draw the measured delay function, and that of a particle with inertia and the card's numbers, by lag."""
     function = measured.delay.function
     stride = max(len(function.at) // MAX_DELAY_POINTS, 1)
     at, value, se = (part[::stride] for part in function)

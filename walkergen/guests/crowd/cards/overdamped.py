@@ -1,8 +1,7 @@
 """Test whether a model without inertia is enough: a walker's numbers and published criteria.
 
 While its velocity relaxes, a walker turns by an angle and coasts over a part of its length. If both are small, a model
-without velocity lag gives the same positions. Walkers that meet then stop as if they had no mass. `turning`: mean
-turning rate. `rotation`: rotational diffusion. `velocity`: relaxation of the velocity.
+without velocity lag gives the same positions. Walkers that meet then stop as if they had no mass.
 """
 
 import math
@@ -24,10 +23,10 @@ SOURCES = (
 
 
 def assess_inertia(
-    speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
+    speed: Quantity, turning_rate: Quantity, rotational_diffusion: Quantity, velocity: Relaxation, length_mm: float
 ) -> Overdamped:
-    """Return whether a model without inertia is enough, judged by a walker's turn and coasting distance."""
-    distances = turn_and_coasting(speed, turning, rotation, velocity, length_mm)
+    """Return whether a model without inertia is enough for a walker, from its turn and coasting distance."""
+    distances = turn_and_coasting(speed, turning_rate, rotational_diffusion, velocity, length_mm)
     reason = "; ".join(map(_format_with_limit, distances))
     verdicts = {distance.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for distance in distances}
     if Verdict.DISAGREE in verdicts:
@@ -38,12 +37,12 @@ def assess_inertia(
 
 
 def turn_and_coasting(
-    speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
+    speed: Quantity, turning_rate: Quantity, rotational_diffusion: Quantity, velocity: Relaxation, length_mm: float
 ) -> tuple[Quantity, Quantity]:
     """Compute the angle (rad) by which a walker turns, and its path (in its lengths), while its velocity relaxes."""
     time, time_se = velocity.time.number, velocity.time.se or 0.0
-    rate = rotation.number + abs(turning.number)
-    rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)
+    rate = rotational_diffusion.number + abs(turning_rate.number)
+    rate_se = math.hypot(rotational_diffusion.se or 0.0, turning_rate.se or 0.0)
     pace = math.hypot(speed.number, math.sqrt(2.0) * velocity.deviation)
     pace_se = abs(speed.number) / pace * (speed.se or 0.0) if pace else 0.0
     turned_se = math.hypot(rate_se * time, rate * time_se)

@@ -61,7 +61,8 @@ class Relaxation(NamedTuple):
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
     """Measure the relaxation of the velocity, and the translational diffusion (mm^2/s) along one axis.
 
-    Both are means over two axes. They are found by iteration: the lag behind the heading depends on the relaxation.
+    `exact`: whether positions have no noise, as in simulations. Both results are means over two axes, and are found by
+    iteration, because the lag behind the heading depends on the relaxation.
     """
     relaxation_time, piece_size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
     relaxation, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
@@ -93,7 +94,7 @@ def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
     """Measure the relaxation of the velocity along the heading.
 
-    `both` (relaxation over both axes) and `diffusion` are the results of `measure_velocity`.
+    `exact`: whether positions have no noise. `both` (both axes) and `diffusion`: results of `measure_velocity`.
     """
     fluctuations, parts_ahead = [], []
     for track in tracks.tracks:
@@ -104,7 +105,7 @@ def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusi
 
 
 def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
-    """Measure the relaxation of the turning rate (rad/s). `diffusion`: rotational diffusion, rad^2/s."""
+    """Measure the relaxation of the turning rate. `exact`: tracks have no noise. `diffusion`: of headings, rad^2/s."""
     rates = []
     for track in tracks.tracks:
         heading = np.exp(1j * _headings(track))
@@ -276,7 +277,7 @@ def _lagged_heading(track: Track, samples: float) -> Complex:
 
 
 def _residual_velocity(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
-    """Return the velocity (mm/s) less its best-fitting multiple of `followed`, without the first `skip` intervals."""
+    """Return the velocity (mm/s) less its best multiple of the lagged heading `followed`, from interval `skip` on."""
     velocity = np.diff(moments.complex_position(track))[skip:] / interval
     lagged = followed[skip:]
     known = ~np.isnan(velocity) & ~np.isnan(lagged)
@@ -298,7 +299,7 @@ def _residuals_and_headings(track: Track, relaxation_time: float, interval: floa
 def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, memory: float) -> Quantity:
     """Compute the diffusion D (mm^2/s) of each axis from pieces of tracks of `size` samples.
 
-    The first `skip` samples are left out. A multiple of the path along the heading is fitted to a walker's
+    The first `skip` samples are left out. A multiple of the path along its lagged heading is fitted to a walker's
     displacements in all pieces. The squared rest in a piece of t s is 4 D t on average, less in pieces that are not
     much longer than the velocity's relaxation time `memory` (s).
     """
@@ -323,7 +324,7 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
 def _piece_displacements(
     track: Track, followed: Complex, skip: int, size: int, interval: float
 ) -> tuple[Complex, Complex, Array]:
-    """Return displacement (mm), integral of `followed` (s) and duration (s) of each piece of about `size` samples."""
+    """Return displacement (mm), integral of the lagged heading (s) and duration (s) of pieces of `size` samples."""
     place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []

@@ -1,4 +1,4 @@
-"""Contacts of bodies with bodies and walls: impulses in a tick, between two drifts of both.
+"""Contacts of bodies with bodies and walls: impulses in a short time step (tick), between two free motions.
 
 A corner compressed by d pushes with k d during compression and with e^2 k d during release. k is such that any two
 bodies part after the same time (docs/physics.md section 9). The corner returns the share e^2 of the work done on it, as
@@ -42,7 +42,7 @@ from walkergen.guests.crowd.space.gaps import box_distance, closest_point, minim
 
 @lean
 def _to_body_axes(free, i, x, y, z):
-    """Convert a point of the world to the body axes of walker i, from C."""
+    """Return a point of the world (mm) in the axes of body i, from its centre of mass C. `free`: `bodies.Free`."""
     R, state = free.R, free.state
     d_x, d_y, d_z = x - state[i, C_X], y - state[i, C_Y], z - state[i, C_Z]
     return (
@@ -54,14 +54,14 @@ def _to_body_axes(free, i, x, y, z):
 
 @lean
 def _height(free, i, b_x, b_z, y):
-    """Return the height in the world of the point (b_x, y, b_z) of body i (body axes from C)."""
+    """Return the height in the world (mm) of the point (b_x, y, b_z) of body i, given in body axes from C."""
     R = free.R
     return free.state[i, C_Y] + R[i, 1, 0] * b_x + R[i, 1, 1] * y + R[i, 1, 2] * b_z
 
 
 @lean
 def _velocity(free, i, a_x, a_y, a_z):
-    """Return the velocity in the world of a point of body i, mm/s."""
+    """Return the velocity (mm/s, world axes) of point a of body i. a_x, a_y, a_z: mm from C, body axes."""
     R, now, n, shift = free.R, free.now, free.coordinates[i], free.shift
     v_x = now[i, 0] + now[i, 4] * a_z - now[i, 5] * a_y
     v_y = now[i, 1] + now[i, 5] * a_x - now[i, 3] * a_z
@@ -90,7 +90,7 @@ def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 
 @lean
 def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
-    """Return the inverse mass (1/g) of a point of body i along a direction d of the world, legs locked."""
+    """Return the inverse effective mass (1/g) of point a of body i along the unit vector d (world), with rigid legs."""
     _, _, _, t_x, t_y, t_z = _body_wrench(free, i, a_x, a_y, a_z, d_x, d_y, d_z)
     I = free.inverse_inertia  # noqa: E741
     return free.inverse_mass[i] + (
@@ -166,7 +166,7 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 
 @kernel_without_refcount
 def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
-    """Push bodies i and j (or a wall, j = -1) apart at one contact, or only store its energy, as `pushes` selects.
+    """Push bodies i and j (j = -1: a wall) apart at one contact or, unless `pushes`, only add its energy to the book.
 
     Changes the bodies' states and the crowd's book. The touch is at (x, z) of the plane (body i's image). Its normal
     (n_x, n_z) points from j to i. In each body's axes it is the point (b_x, y_i, b_z) of i and (c_x, y_j, c_z) of j.
@@ -262,7 +262,8 @@ def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
 def _resolve_corners(crowd, i, j, layer, first, pushes):
     """Resolve the contacts of corners of body i with body j in a layer. Return the number of corners that touch.
 
-    `first`: whether i comes first in the pair and so counts contacts of corner on corner.
+    `layer`: 0 at the bottom of both bodies, 1 at the top. `first`: whether i is the pair's first body, for which contacts
+    of two corners count. `pushes`: as in `resolve_pair`.
     """
     bodies, planar, count = crowd.bodies, crowd.planar, 0
     kind_i, kind_j = bodies.kind[i], bodies.kind[j]
@@ -294,7 +295,7 @@ def _resolve_corners(crowd, i, j, layer, first, pushes):
 
 @kernel_without_refcount
 def resolve_pair(crowd, i, j, pushes):
-    """Resolve all contacts between bodies i and j, as `pushes` selects. Return the number of corners that touch."""
+    """Push bodies i and j apart at all contacts or, unless `pushes`, sum their energy. Return the contacts' number."""
     count = 0
     for layer in range(2):
         count += _resolve_corners(crowd, i, j, layer, True, pushes)  # i is the first body
@@ -304,7 +305,7 @@ def resolve_pair(crowd, i, j, pushes):
 
 @lean
 def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
-    """Resolve the contact of body i with a wall if `depth` > 0. Return 1 if so, else 0. See `_resolve_contact`."""
+    """Resolve the contact of body i with a wall and return 1; return 0 if `depth` <= 0. See `_resolve_contact`."""
     if depth <= 0.0:
         return 0
     _resolve_contact(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
@@ -313,7 +314,7 @@ def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
 
 @kernel_without_refcount
 def resolve_walls(crowd, i, pushes):
-    """Resolve all contacts of body i with walls, as `pushes` selects. Return the number of points that touch."""
+    """Push body i off walls at all contacts or, unless `pushes`, sum their energy. Return the contacts' number."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0
     if ground.kind >= PERIODIC:
         return 0

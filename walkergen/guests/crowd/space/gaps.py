@@ -15,7 +15,7 @@ FAR = 1e9
 
 @lean
 def minimum_image(ground, d):
-    """Return d, a difference of two coordinates (mm), to the nearest image. Without a period it is unchanged."""
+    """Return the difference d of two coordinates (mm) to the nearest periodic image; d itself without a period."""
     if ground.period > 0.0:
         return d - ground.period * math.floor(d / ground.period + 0.5)
     return d
@@ -23,7 +23,7 @@ def minimum_image(ground, d):
 
 @lean
 def closest_point(bodies, kind, x, z):
-    """Find the point of a kind's core closest to (x, z), all in the frame of the body.
+    """Find the point closest to (x, z) on the core of a kind of body (its outline moved inward), in body axes, mm.
 
     Returns distance, point, whether it is a corner, and the number of that corner, or of the closer end of the edge.
     """
@@ -46,7 +46,7 @@ def closest_point(bodies, kind, x, z):
 
 @lean
 def box_distance(bodies, kind, x, z):
-    """Return the distance of (x, z) from the bounding box of a kind's core, all in the frame of the body."""
+    """Return the distance of (x, z) from the bounding box of the core of a kind of body, in body axes, mm."""
     box = bodies.box
     d_x = max(abs(x - box[kind, 0]) - box[kind, 2], 0.0)
     d_z = max(abs(z - box[kind, 1]) - box[kind, 3], 0.0)
@@ -55,7 +55,7 @@ def box_distance(bodies, kind, x, z):
 
 @lean
 def to_plane(planar, i, height, b_x, b_z):
-    """Convert the point (b_x, b_z) at a height over C from the frame of body i to the plane."""
+    """Return the plane coordinates (mm) of the point (b_x, b_z) of body i, in body axes at a height (mm) over C."""
     c, s = planar[i, COS], planar[i, SIN]
     x = planar[i, X] + height * planar[i, LEAN_X] + c * b_x - s * b_z
     return x, planar[i, Z] + height * planar[i, LEAN_Z] + s * b_x + c * b_z
@@ -63,7 +63,7 @@ def to_plane(planar, i, height, b_x, b_z):
 
 @lean
 def to_body_frame(planar, i, height, x, z):
-    """Convert a point (x, z) of the plane to the frame of body i at a height over its C."""
+    """Return the coordinates (mm) of a point (x, z) of the plane in the axes of body i at a height (mm) over its C."""
     c, s = planar[i, COS], planar[i, SIN]
     d_x = x - planar[i, X] - height * planar[i, LEAN_X]
     d_z = z - planar[i, Z] - height * planar[i, LEAN_Z]
@@ -95,7 +95,7 @@ def lean_displacement(bodies, planar, i, j):
 def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
     """Return the smaller of `least`, the gap found so far, and the gaps of body i's corners from body j, mm.
 
-    For gaps above `cutoff` (mm) it uses lower bounds.
+    For gaps above `cutoff` (mm) it uses lower bounds. `layer`: 0 at the bottom of both bodies, 1 at the top.
     """
     kind_i, kind_j = bodies.kind[i], bodies.kind[j]
     height, height_j = bodies.heights[kind_i, kind_j, layer], bodies.heights[kind_j, kind_i, layer]
@@ -116,7 +116,7 @@ def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
 
 @lean
 def body_gap(bodies, ground, planar, i, j, cutoff):
-    """Return the smallest gap of bodies i and j in both layers, mm; above `cutoff` (mm) a lower bound of it."""
+    """Return the smallest gap of bodies i and j at bottom and top, mm; above `cutoff` (mm) a lower bound of the gap."""
     least = FAR
     if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
         return least

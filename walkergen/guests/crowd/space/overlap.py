@@ -1,4 +1,4 @@
-"""Overlaps of outlines in a dish, exactly, and walkers that are added or moved without any.
+"""Exact tests whether outlines of walkers overlap in a dish, and kernels that add or move walkers without overlap.
 
 An outline is the edges of its contours about the middle of the circle around it. Each walker may be smaller than its
 outline by its own scale. Two outlines overlap when edges cross, or when one lies in the other. Random numbers come from
@@ -217,7 +217,7 @@ def _has_wall_overlap(outlines, bounds, kind, x, y, heading, scale):
 
 @lean
 def is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
-    """Return whether walker i, at this pose (mm, rad) and `scale`, touches neither walls nor walkers of the cells.
+    """Return whether walker i, at this pose (mm, rad) and `scale`, touches neither walls nor the walkers in `cells`.
 
     In a periodic square it stores this pose and scale in `places` and `scales`, to compare the walker with its images.
     """
@@ -250,7 +250,7 @@ def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
     """Add walkers one by one, each at the first random pose that is free, until all are added or tries are used up.
 
     `order`: walkers' numbers; the first `done` of them have their poses already. `randoms`: shape (tries, 3), 0 to 1.
-    Returns the number of walkers with poses.
+    Stores poses in `places`, and returns the number of walkers with poses.
     """
     half_x = bounds.outer
     half_y = bounds.inner if bounds.kind == RECTANGLE else bounds.outer
@@ -272,7 +272,7 @@ def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growt
     """Move every walker once at random and let it grow, up to a scale of `most`.
 
     `randoms`: shape (N, 4), 0 to 1. `steps`: largest shift (mm) and turn (rad), shape (2,). `growth`: largest relative
-    growth. Moves that would overlap are not made. Returns the number of moves made.
+    growth. Moves that would overlap are not made. Changes `places` and `scales`. Returns the number of moves.
     """
     moved = 0
     half = 0.5 * bounds.period

@@ -1,4 +1,4 @@
-"""Bodies of a crowd seen from above, as its contacts see them: rounded polygons at two heights.
+"""Shapes of a crowd's bodies for contacts: rounded polygons, seen from above, at two heights.
 
 A body is upright: its outline over its height. It is kept as a core, the outline moved inward by the radius of its
 corners, so that bodies a radius or less into each other still have a distance, and with it a normal (F.

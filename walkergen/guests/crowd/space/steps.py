@@ -178,7 +178,7 @@ def _meet_walls(crowd, i, seen, now):
 
 @kernel_without_refcount
 def _list_neighbours(crowd, span, pairs):
-    """Fill `pairs`, (p, 2), with walkers that may touch within `span` seconds. Return how many; -1 without room."""
+    """Fill `pairs`, (p, 2), with walkers that may touch within `span` s. Return their number; -1 if p is too small."""
     count, n = 0, len(crowd.status)
     for i in range(n):
         for j in range(i + 1, n):
@@ -193,7 +193,7 @@ def _list_neighbours(crowd, span, pairs):
 
 @kernel_without_refcount
 def _advance_round(crowd, pairs, count, plans, levels):
-    """Move the crowd by 2^levels ticks. The first `count` of `pairs` may touch. `plans`: working memory."""
+    """Move the crowd by 2^levels contact steps (ticks). The first `count` of `pairs` may touch. `plans`: work space."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
     safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
     until, allowed = plans.until, plans.allowed

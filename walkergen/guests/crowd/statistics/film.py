@@ -1,4 +1,4 @@
-"""Film of a crowd: where every walker was at every time, simulated or filmed, seen from above."""
+"""Film of a crowd, simulated or filmed: position and heading of every walker at every time, seen from above."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType

@@ -22,7 +22,7 @@ MIN_MEAN = 1.0
 
 
 class Fluctuations(NamedTuple):
-    """Fluctuations by the size of the boxes."""
+    """Fluctuations of the number of walkers in boxes, by the size of the boxes."""
 
     sides: Array
     """Sides of the boxes, shape (sizes,), mm."""

@@ -1,4 +1,4 @@
-"""Packing: the share of a dish that walkers cover, of all of it and of its parts."""
+"""Packing: the share of a dish's area that walkers cover, in the whole dish and in boxes of it."""
 
 import math
 

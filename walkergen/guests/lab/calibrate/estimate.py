@@ -19,7 +19,7 @@ UNIT_LABELS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
 
 
 class Estimate(NamedTuple):
-    """Number from readings, with its standard error, which is larger where the readings disagree."""
+    """Number from readings, with its standard error (larger if the readings disagree), and the keys that it sets."""
 
     name: str
     number: Quantity
@@ -51,7 +51,7 @@ class Estimate(NamedTuple):
 
     @property
     def row(self) -> tuple[str, float, float, str, int, float, int, str]:
-        """Row of calibration.csv."""
+        """Row of calibration.csv: name, value, error, unit, readings, chi2, degrees of freedom, key."""
         unit = UNIT_LABELS.get(self.number.unit, self.number.unit)
         key = self.sets[0] if self.sets else ""
         return (self.name, *self.number.pair, unit, self.readings, self.chi2, self.dof, key)

@@ -28,7 +28,7 @@ from walkergen.guests.lab.calibrate.specimens import (
 )
 
 PA_PER_GPA, G_MM3_PER_G_CM3 = 1e9, 1e-3
-"""Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
+"""Factors from the units of files to those of the code: Pa in a GPa, g/mm^3 in a g/cm^3."""
 
 OFFSET_NAME = "offset"
 """Name of a length that is added to all thicknesses, as a free parameter of a fit. A free RING_METHOD gives the ring
@@ -85,7 +85,7 @@ class Moduli(NamedTuple):
 
 
 def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
-    """Fit the modulus of strips, at least one of them with readings. `density`: of the strips, g/cm^3.
+    """Return the modulus fitted to all strips, at least one of them with readings. `density`: of the strips, g/cm^3.
 
     Where strips disagree, the error grows by the root of chi2 over dof. Raises InputError for a modulus outside the
     range of plastics.
@@ -106,7 +106,7 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
 
 
 def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
-    """Fit the modulus to each strip and each method alone. Errors include those that strips share."""
+    """Return the modulus fitted to each strip and each method alone. Errors include errors that strips share."""
     by_method = []
     for strip in strips:
         for method in (BEND_METHOD, RING_METHOD):

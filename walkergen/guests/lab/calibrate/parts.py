@@ -29,8 +29,7 @@ WIDTH_MM = 5.0
 narrow enough for a beam (beams.CLAMP_FACTOR)."""
 
 TARGET_RING_HZ = 40.0
-"""Frequency at which strips shall ring: a phone at 120 frames a second takes 3 frames a swing, at 240 it takes 6.
-Paper, coins and nuts then bend the strips by millimetres."""
+"""Frequency at which strips shall ring: 3 frames a swing at 120 a second. Coins and nuts then bend them by mm."""
 
 LENGTH_STEP_MM, MIN_LENGTH_MM, MIN_SLENDERNESS = 5.0, 25.0, 20.0
 """Step of free lengths; shortest one; smallest one over the thickness, where shear adds 0.1 % to the deflection."""

@@ -112,6 +112,7 @@ def _draw_map(layout: Layout, plate: Plate, title: str) -> "Figure":
 
 
 def _draw_pieces(axes: "Axes", layout: Layout, plate: Plate) -> None:
+    """Draw the silhouettes of a plate's pieces from above, in alternating colours, and the bed."""
     from matplotlib.collections import PolyCollection
 
     from walkergen.core.shapes import modeller

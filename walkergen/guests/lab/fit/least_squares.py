@@ -248,7 +248,7 @@ class _Uncertainty(NamedTuple):
     unseen: list[str]
     """Parameters that no speed depends on."""
     together: list[str]
-    """Parameters that form the least-known combination."""
+    """Parameters in the combination with the largest uncertainty."""
     level: float
     """Eigenvalue of the normalised information for that combination."""
 

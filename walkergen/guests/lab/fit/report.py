@@ -154,7 +154,7 @@ def _make_report(
     draw: "Callable[[], Figure]",
     folder: Path,
 ) -> FitReport:
-    """Make the report of a fit by the theory or by a model. `lines`: its first lines. `draw`: draws its figure."""
+    """Return the report of a fit of the theory or a model. `lines`: its first lines. `draw`: draws its figure."""
     return FitReport(
         name="fit",
         title=path.name,

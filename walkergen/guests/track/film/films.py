@@ -1,4 +1,4 @@
-"""Films: grey frames of a file or of a folder of pictures, one by one, by the ffmpeg that the extra `film` installs.
+"""Read films: grey frames of a file or of a folder of pictures, one by one, from ffmpeg (extra `film`).
 
 ffmpeg sends the frames as YUV4MPEG2, whose header has size and rate, and writes the time of each frame to a file.
 Films of varying frame rate, as phones make them, keep these times: no frame is repeated or left out.

@@ -28,7 +28,7 @@ class Track(NamedTuple):
     frames: Whole
     """Numbers of the frames, ascending, shape (n,)."""
     blobs: Blobs
-    """Its blob in each of these frames."""
+    """The walker's blob in each of these frames."""
 
 
 class Linked(NamedTuple):

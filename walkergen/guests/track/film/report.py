@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from walkergen.guests.track.film.marker_tracking import Marked
 
 COLUMNS = ("frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px", "mm_per_px_se")
-"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
+"""Columns of tracks.csv: first trackpy's names (in mm and rad), then walkergen's names with units.
 
 The last two are the scale, already applied to positions, and its standard error, blank if unknown. Every length
 measured from the tracks shares this error. With markers a particle is the number of its marker.
