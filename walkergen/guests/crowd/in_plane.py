@@ -72,7 +72,7 @@ class InPlane(NamedTuple):
         total_seconds = _total_seconds(population)
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
-            """Simulate a run and return its film. `tell` receives the share that is done."""
+            """Simulate run `number` and return its film. `tell` receives the share that is done."""
 
             def report_frames(task: str, frames: int, total: int) -> None:
                 """Report progress to `tell`; end the run if it is stopped."""

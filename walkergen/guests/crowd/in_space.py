@@ -70,7 +70,7 @@ class InSpace(NamedTuple):
         plan_for_run, rate_hz = _placement_function(self.population), self.request.rate_hz
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
-            """Simulate a run. `tell` receives the share that is done."""
+            """Simulate run `number`. `tell` receives the share that is done. `stopped`: whether to end early."""
 
             def report_progress(seconds: float) -> None:
                 """Report simulated seconds as a share of the run."""

@@ -119,6 +119,6 @@ class CrowdRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":
-        """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
+        """Simulate the crowd, write its input for LAMMPS, or measure a walker's card. Return the report."""
         report: Report = self.do_work(progress, self._expect)
         return report

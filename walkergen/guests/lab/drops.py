@@ -71,7 +71,7 @@ def still_scene(scene: Scene) -> Scene:
 
 
 def make_plan(scene: Scene, design: Design) -> Plan:
-    """Prepare the simulation of drops on the scene's plate at rest, with a finer time step unless the scene sets it."""
+    """Return the plan of drops on the scene's plate at rest, with a finer time step unless the scene sets the step."""
     plan = prepare(still_scene(scene), design, mass_of(design))
     return plan if scene.run.step_us is not None else plan.coarser(STEP_RATIO)
 

@@ -209,7 +209,7 @@ def shift_poses(poses: Array, shift: Array) -> Array:
 
 
 def _subsample(walker_tracks: Tracks, stride: int) -> Tracks:
-    """Take every `stride`-th frame of each track."""
+    """Return the tracks with every `stride`-th frame only."""
     thinned = tuple(
         track._replace(
             position=track.position[::stride], heading=None if track.heading is None else track.heading[::stride]

@@ -85,7 +85,7 @@ def inscribed_radius(card: Card) -> float:
 
 
 def cover_outline(card: Card, tolerance: float) -> Discs:
-    """Choose discs inside a card's outline so that no point of it is farther than `tolerance` (mm) from them.
+    """Return discs inside a card's outline such that no point of it is farther than `tolerance` (mm) from them.
 
     Each disc is the one that covers the most uncovered points. Tips that need radii below half the tolerance stay
     uncovered. Raises InputError if all discs would be smaller.

@@ -109,7 +109,7 @@ def run_script(engine: Engine, folder: Path, script: str, progress: Progress) ->
 
 @contextlib.contextmanager
 def _child_process(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
-    """Start a command in a folder. When the context ends, the process and its children are stopped."""
+    """Start a command in a folder and yield its process. When the context ends, it and its children are stopped."""
     try:
         child = subprocess.Popen(
             command,

@@ -166,7 +166,7 @@ def make_ground(dish: Dish | None) -> Ground:
 
 
 def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
-    """Make the movers of walkers, and the arrays over all walkers whose memory they share."""
+    """Return the movers of walkers, and arrays over all walkers that share memory with the movers."""
     count = len(worlds)
     max_coordinates = max(len(world.walker.stiffness) for world in worlds)
     free = Free(

@@ -262,8 +262,8 @@ def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
 def _resolve_corners(crowd, i, j, layer, first, pushes):
     """Resolve the contacts of corners of body i with body j in a layer. Return the number of corners that touch.
 
-    `layer`: 0 at the bottom of both bodies, 1 at the top. `first`: whether i is the pair's first body, for which contacts
-    of two corners count. `pushes`: as in `resolve_pair`.
+    `layer`: 0 at the bottom of both bodies, 1 at the top. `first`: whether i is the pair's first body, which counts
+    touches of two corners. `pushes`: as in `resolve_pair`.
     """
     bodies, planar, count = crowd.bodies, crowd.planar, 0
     kind_i, kind_j = bodies.kind[i], bodies.kind[j]

@@ -45,7 +45,7 @@ class Shape(NamedTuple):
 
 
 def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
-    """Make the shape of a design's body. Raises InputError for one too thin to have corners."""
+    """Return the shape of a design's body. Raises InputError for a body that is too thin to have corners."""
     contours = [contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)]
     corners, edges, radius = _make_core(design, contours)
     reach = float(np.hypot(*corners.T).max()) + radius

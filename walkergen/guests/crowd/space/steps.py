@@ -146,7 +146,7 @@ def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
 
 @lean
 def _meet_pair(crowd, i, j, seen, now):
-    """Resolve contacts of walkers i and j at tick `now`. Return the ticks before they can touch, 1 if they do.
+    """Resolve contacts of walkers i and j at contact step (tick) `now`. Return the ticks until they may touch, >= 1.
 
     `seen`: gap (mm) at the last update and its tick, shape (2,). Both are replaced by the present ones.
     """
@@ -164,7 +164,7 @@ def _meet_pair(crowd, i, j, seen, now):
 
 @lean
 def _meet_walls(crowd, i, seen, now):
-    """Resolve contacts of walker i with walls at tick `now`. Return value and `seen` are those of `_meet_pair`."""
+    """Resolve contacts of walker i with walls at tick `now`. Return and `seen` have the meaning of `_meet_pair`."""
     if crowd.status[i] != OK:
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)

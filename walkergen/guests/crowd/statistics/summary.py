@@ -234,7 +234,7 @@ def _values_by_run(runs: Sequence[_Run], name: str) -> Array:
 
 
 def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
-    """Combine the values of all runs, shape (runs,), into a quantity, with the reason if it or its error is unknown."""
+    """Return the mean of the runs' values, (runs,), as a quantity, with the reason for an unknown value or error."""
     unit = UNITS[name]
     if np.isnan(values).any():
         return Quantity(name, unit, None, refused=_missing_reason(name, film))
@@ -336,6 +336,6 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
 
 
 def _finite_mean(values: Array) -> float:
-    """Average the finite values; NaN without any."""
+    """Return the mean of the finite values; NaN without any."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else math.nan

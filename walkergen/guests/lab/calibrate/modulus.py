@@ -79,7 +79,7 @@ class Moduli(NamedTuple):
 
     @property
     def estimates(self) -> list[Estimate]:
-        """The modulus, and its two checks, which are 0 if all is as assumed."""
+        """Estimates of the modulus and of its two checks, which are 0 if methods and strips agree."""
         named = (("ring over weights", self.ring_over_bend), ("offset of thicknesses", self.offset))
         return [self.fit, *(Estimate(name, number) for name, number in named if number is not None)]
 

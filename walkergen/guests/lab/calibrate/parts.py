@@ -63,7 +63,7 @@ class DrawnStrip(NamedTuple):
 
 
 def make_strips(design: Design, printer: Printer) -> list[DrawnStrip]:
-    """Design strips that are whole printed lines thick. One of them is as thick as the design's first leg.
+    """Return strips to print, each a whole number of lines thick. One of them may have the thickness of the first leg.
 
     Their lengths follow from the design's material, and the printer's bed.
     """

@@ -49,7 +49,7 @@ class Layout(NamedTuple):
 
 
 def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Layout:
-    """Arrange pieces on at most `max_plates` plates, and check them. Raises PlateError when they do not fit."""
+    """Return pieces arranged on at most `max_plates` plates, with the checks' findings. Raises PlateError."""
     parts = [Part.from_mesh(piece.name, piece.mesh, 1) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
     findings = [

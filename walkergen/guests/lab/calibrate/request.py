@@ -66,7 +66,7 @@ class CalibrateRequest(CalibrateFields):
     """
 
     def run(self, progress: Progress) -> "Report":
-        """Make a plate to measure, or estimate from a form, a drop or a recording."""
+        """Make a plate to measure, or compute results from a form, a drop or a recording. Return the report."""
         if self.plate is not None:
             return self._calibrate_plate(self.plate)
         if self.what is None:

@@ -32,7 +32,7 @@ def sample(
     seed: int,
     progress: Progress,
 ) -> Posterior:
-    """Sample the posterior of the parameters, given the speeds observed in each setting.
+    """Return draws from the posterior of the parameters, given the speeds observed in each setting.
 
     `responses`: functions that predict the speed in each setting. Raises InputError if too few draws agree with speeds.
     """

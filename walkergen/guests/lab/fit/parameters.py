@@ -130,7 +130,7 @@ def is_measured(name: str, scene: Scene, design: Design) -> bool:
 def list_unknowns(
     scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], has_se: bool = True
 ) -> Unknown:
-    """List the parameters to fit and the inputs that differ from print to print.
+    """Return the parameters to fit and the inputs that differ from print to print.
 
     Thickness, Young's modulus and damping have the standard deviations of design and scene as priors. Without one, or
     if in `fixed`, they are not fitted. If not `has_se`, the measured speeds have no standard errors, and their scatter

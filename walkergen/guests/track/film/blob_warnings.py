@@ -199,5 +199,5 @@ def _subtract_means(values: Array, owner: Whole) -> Array:
 
 
 def _join_blobs(walkers: Sequence[Track]) -> Blobs:
-    """Join the blobs of all walkers, one walker after the other."""
+    """Return the blobs of all walkers in one array per field, one walker after the other."""
     return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))

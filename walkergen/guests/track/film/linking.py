@@ -49,7 +49,7 @@ class Linked(NamedTuple):
 
 
 def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
-    """Link the blobs in frames number `first`, `first` + 1 ... into walkers. `fps`: frames per second.
+    """Return the walkers' tracks that link blobs in frames number `first`, `first` + 1 ... `fps`: frames per second.
 
     Raises InputError if no object is seen for long enough, or if objects are too close to distinguish.
     """

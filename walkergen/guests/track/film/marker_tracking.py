@@ -176,7 +176,7 @@ class _Grouped(NamedTuple):
 
 
 def _group_by_number(seen: list[Sighted], first: int) -> _Grouped:
-    """Group the markers seen in each frame, from frame `first` on, by number. Raises InputError without a track."""
+    """Return the track of each marker number from the markers in frames `first` on. Raises InputError without any."""
     frames: dict[int, list[int]] = defaultdict(list)
     corners: dict[int, list[Array]] = defaultdict(list)
     double: Counter[int] = Counter()
