@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 MAX_UNUSED_DAYS = 30
-"""Days after which what an edited walkergen, or an older one, has left is removed."""
+"""Days without use after which the folder of another version is removed."""
 
 KERNEL_FOLDER = "numba"
 """Name of the folders of compiled kernels."""
@@ -27,8 +27,7 @@ KERNEL_FOLDER = "numba"
 CHECKSUM_MARK = b"walkergen sha256"
 CHECKSUM_BYTES = hashlib.sha256().digest_size
 TRAILER_BYTES = len(CHECKSUM_MARK) + CHECKSUM_BYTES
-"""End of a file of the kernels' cache: a mark, and the sum of what stands before it, which other
-readers of pickles do not see."""
+"""Length of the end of a cached kernel's file: a mark, and the checksum of all before it. Unpickling ignores both."""
 
 
 def home() -> Path:
@@ -89,20 +88,20 @@ def suppress_compile_notice() -> Iterator[None]:
 
 
 def cache_subpath(source_folder: Path) -> str:
-    """Return the name of the folder where numba caches the functions of a source folder."""
+    """Return the name, not the path, of the folder in which numba caches the functions of a source folder."""
     from numba.core.caching import _CacheLocator
 
     return str(_CacheLocator.get_suitable_cache_subpath(str(source_folder / "x.py")))
 
 
-def announce_compilation(place: Path) -> None:
+def announce_compilation(numba_folder: Path) -> None:
     """Print a notice that kernels are being compiled, once for each folder of sources in COMPILE_TIMES_S.
 
-    `place` is numba's cache folder, named by that of the sources and a hash. Child processes of a pool print nothing.
+    `numba_folder` is numba's cache, named after the folder of sources. Child processes of a pool print nothing.
     """
     from multiprocessing import parent_process
 
-    name = next((folder for folder in COMPILE_TIMES_S if cache_subpath(PACKAGE_FOLDER / folder) == place.name), "")
+    name = next((name for name in COMPILE_TIMES_S if cache_subpath(PACKAGE_FOLDER / name) == numba_folder.name), "")
     if not name or name in _announced or parent_process():
         return
     _announced.add(name)
@@ -177,16 +176,16 @@ def _is_intact(path: Path) -> bool:
     return mark != CHECKSUM_MARK or hashlib.sha256(content).digest() == digest
 
 
-def _configure_numba_cache(place: Path) -> None:
-    """Import numba with its cache in the folder `place`, where it reads intact entries only."""
-    os.environ["NUMBA_CACHE_DIR"] = str(place)
+def _configure_numba_cache(cache_folder: Path) -> None:
+    """Import numba with its cache in a folder, from which it then reads intact entries only."""
+    os.environ["NUMBA_CACHE_DIR"] = str(cache_folder)
     from numba.core import caching
 
     caching.IndexDataCacheFile = add_checksums(caching.IndexDataCacheFile)
 
 
 def prepare_version_folder(name: str, version: str) -> Path:
-    """Return the folder `name`-`version` in walkergen's cache, created if needed. Remove other versions long unused.
+    """Return the path of the folder NAME-VERSION in walkergen's cache, created if needed. Remove versions long unused.
 
     A folder of KERNEL_FOLDER becomes the cache of numba, which is imported, unless numba was imported before.
     """

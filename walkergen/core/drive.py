@@ -45,17 +45,17 @@ FOREIGN_QUANTITIES = (
     ("peak_speed_mm_s", "peak speed", r"vel|speed", {"mm_s": 1.0, "cm_s": 10.0, "m_s": 1e3, "um_s": 1e-3}),
     ("amplitude_um", "amplitude", r"ampl|disp|stroke|peak_?(to|2)|p2?p", {"um": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}),
 )
-"""Keys of a plate's vibration, what each is, the words for it in other programs, and its value for a unit of theirs."""
+"""For each quantity: its key, its meaning, a pattern of its names in other programs, and their units in our unit."""
 
 FOREIGN_SHARES = {
     r"rms|eff": (math.sqrt(2.0), ", because the root mean square of a sine is 0.707 of its peak"),
     r"peak_?(to|2)?_?peak|pk_?pk|(^|_)p2?p(_|$)": (0.5, ", because peak to peak is twice that"),
 }
-"""Words for a part or a multiple of a peak, the peak over it, and the reason."""
+"""Pattern of names of a part or multiple of a peak, the factor that gives the peak, and the reason."""
 
 
-def _parse_axis(value: Any) -> Any:
-    """Return the axis of a rotor, by name or components. Raises ValueError for anything else."""
+def _check_axis(value: Any) -> Any:
+    """Return `value` unchanged if it is a name in AXES, three components, or None. Raises ValueError for others."""
     numbers = value if isinstance(value, list) and len(value) == 3 and any(value) else [math.nan]
     if all(isinstance(number, (int, float)) and abs(number) <= 1e3 for number in numbers) or value in (*AXES, None):
         return value
@@ -65,7 +65,7 @@ def _parse_axis(value: Any) -> Any:
 
 
 class Drive(Section):
-    """Motion of a shaken plate, a vertical sine that two of its four numbers describe, or a motor on the walker.
+    """Motion of a shaken plate, or a motor on the walker. Two of a plate's four numbers determine its vertical sine.
 
     A second harmonic may be added, given by its amplitude over that of the fundamental and by its phase; the four
     numbers remain those of the fundamental. A motor has a frequency and the moment of its rotor. The peak acceleration
@@ -78,7 +78,7 @@ class Drive(Section):
 
     @classmethod
     def translate_key(cls, key: str) -> str:
-        """Return how to write a vibration that other programs state as `key`; "" if unknown."""
+        """Return the advice how to convert a value with another program's name, `key`, to a key here; "" if unknown."""
         words = key.lower()
         if re.search(r"(^|_)dbu?(_|$)|decibel", words):
             return "A level in dB needs its reference: write gamma = 10^(dB / 20) times the reference's peak in g."
@@ -113,7 +113,7 @@ class Drive(Section):
     """Standard deviation of `eccentric_g_mm`, for bounds."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
     """Standard deviation of a motor's frequency, for bounds: batteries sag, and motors differ."""
-    axis: Annotated[Literal["along", "across", "up"] | list[float] | None, BeforeValidator(_parse_axis)] = None
+    axis: Annotated[Literal["along", "across", "up"] | list[float] | None, BeforeValidator(_check_axis)] = None
     """Axis of the rotor: "along", "across" or "up", or components along these. None: the axis in the design."""
 
     @model_validator(mode="after")
@@ -236,7 +236,10 @@ class Drive(Section):
         return x / size, y / size, z / size
 
     def equivalent_plate_drive(self, mass: float) -> "Drive":
-        """Return the drive of a plate that moves as this motor shakes a free walker of `mass` g, or this plate's."""
+        """Return the drive of a plate that moves as far as a free walker of `mass` g with this motor.
+
+        Return a plate's drive unchanged.
+        """
         if self.kind == "plate":
             return self
         return Drive.model_construct(frequency_hz=self.frequency_hz, amplitude_um=1e3 * self.eccentric_moment / mass)
@@ -269,7 +272,7 @@ class Drive(Section):
         return data
 
     def _drop_plate_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a motor's `data`. If this drive is a plate's, drop its keys not in `keys`, but keep its frequency."""
+        """Return a motor's `data`, without keys of a plate that are not in `keys`, but with this plate's frequency."""
         if self.kind == "plate":
             data = {k: v for k, v in data.items() if k not in PLATE_KEYS or k in keys}
             return {"frequency_hz": self.frequency} | data

@@ -41,7 +41,7 @@ def spell(text: str) -> str:
 
 
 def spell_all(data: Any) -> Any:
-    """Return data, such as those of a JSON file, with `spell` applied to all texts among its values."""
+    """Return a copy of nested lists and dictionaries, with `spell` applied to every text in their values."""
     if isinstance(data, str):
         return spell(data)
     if isinstance(data, Mapping):
@@ -66,6 +66,7 @@ class Remedy(NamedTuple):
 
 
 def _format_value(value: bool | float | str) -> str:
+    """Format a value as in TOML, but text without quotes."""
     return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else value
 
 

@@ -41,7 +41,7 @@ class Experiment(Protocol):
         """
 
     def quantities(self, records: Sequence[Any]) -> list[Quantity]:
-        """Compute quantities, each with its error, from the records of one or more runs."""
+        """Return the quantities that the experiment measures, each with its error, from the records of its runs."""
 
     def finer(self) -> Self | None:
         """Return the experiment with smaller biases, as from shorter time steps; None if it cannot reduce them."""
@@ -56,7 +56,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
     experiment: AnExperiment
     """Experiment as it was run at last."""
     records: list[Any]
-    """Records of the finished runs, by their numbers."""
+    """Records of the finished runs, in the order of their numbers from 0."""
     runs: int
     """Number of requested runs."""
     wall_s: float
@@ -127,7 +127,7 @@ class UntilError(NamedTuple):
         return tolerated * max(abs(value or 0.0), self.floor) if relative else tolerated
 
     def request_more(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """Return the measurement with more runs requested or a finer experiment. None if met, or if neither helps."""
+        """Return the measurement with more runs requested or a finer experiment; None if met, or if neither helps."""
         quantity = measured.quantities[self.column]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
@@ -142,7 +142,7 @@ class UntilError(NamedTuple):
         return measured.with_runs(min(self.max_runs, runs))
 
     def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
-        """Return the first of the experiment and its finer ones whose estimated bias is allowed, or else the finest."""
+        """Return the coarsest of the experiment and its refinements with an allowed bias, or else the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
             quantity = measured._replace(experiment=experiment).quantities[self.column]
@@ -171,9 +171,10 @@ def core_count() -> int:
 def measure(
     experiment: AnExperiment, until: Until, progress: Progress = silent, threads: int | None = None
 ) -> Measured[AnExperiment]:
-    """Run an experiment on `threads` threads (None: every core), until the rule `until` has enough runs.
+    """Run an experiment until the rule `until` has enough runs, and return it with its records.
 
-    Records do not depend on the number of threads, nor on later runs. Ctrl-C returns finished runs or is raised again.
+    `threads` is the number of threads (None: one for each core). Records do not depend on it, nor on later runs. Ctrl-C
+    returns the finished runs, or is raised again if there are none.
     """
     request: Measured[AnExperiment] | None = Measured(experiment, [], until.first_runs, 0.0)
     while request is not None:

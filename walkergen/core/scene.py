@@ -63,7 +63,7 @@ class Contact(Section):
 
     @model_validator(mode="after")
     def _fill_from_prior(self) -> "Contact":
-        """Fill in the prior's numbers. They count as not given, so that another prior replaces them."""
+        """Set numbers that are not given to the prior's. They still count as not given: another prior replaces them."""
         numbers = PRIORS[self.prior]._asdict()
         del numbers["words"], numbers["tip_radius_sd_factor"]
         if self.friction == 0.0 and "friction" in self.model_fields_set:
@@ -256,7 +256,7 @@ class Feet(Section):
 
 
 def _parse_headings(value: Any) -> Any:
-    """Return one or several headings as a tuple, or "uniform". Raises ValueError for anything else."""
+    """Return headings (deg, a number or several) as a tuple, or "uniform" unchanged. Raises ValueError for others."""
     listed = value if isinstance(value, (list, tuple)) else (value,)
     are_valid = all(
         isinstance(entry, (int, float)) and not isinstance(entry, bool) and abs(entry) <= 360 for entry in listed
@@ -396,7 +396,7 @@ class Scene(Section):
     effects: Effects = Effects()
 
     def adjust_other_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return data of this scene after values were set, without keys of the drive that they exclude.
+        """Return the tables of this scene after `values` were set, without keys of the drive that contradict these.
 
         Parameters
         ----------

@@ -10,7 +10,7 @@ UNITS = {"%": (1e-6, 100.0), "mm/s": (1e-6, 1e6)}
 
 
 class Tolerance(NamedTuple):
-    """Acceptable error, with 95 % confidence."""
+    """Acceptable error: the largest half-width of a 95 % interval."""
 
     value: float
     relative: bool
