@@ -1,4 +1,4 @@
-"""Legs joined to a body of any shape: what of them lies outside, and the union; y up."""
+"""Joining of legs to a body of any shape: the part of a leg outside it, and the union of body and legs; y up."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -58,7 +58,7 @@ def leg_prism(foot: Array, direction: Array, thickness: float, width: float, len
 def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     """Return the part of a leg outside the body, cut flush: from its foot to the body's surface.
 
-    Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of it again.
+    Raises GeometryError, whose message begins with `key`, when the leg lies within the body, or comes out of it again.
     """
     leg_solid = modeller.to_solid(leg)
     remainder = modeller.check_solid(leg_solid - body.solid).decompose()
@@ -76,8 +76,8 @@ def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
 def unite_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
     """Unite a body and the legs that reach into it to one closed mesh.
 
-    Raises GeometryError, beginning with `key`, when a leg does not reach into the body, and SolidError when the volume
-    of the union is impossible.
+    Raises GeometryError, whose message begins with `key`, when a leg does not reach into the body, and SolidError when
+    the volume of the union is impossible.
     """
     parts = [body.solid, *(modeller.to_solid(leg) for leg in legs)]
     union = modeller.check_solid(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))

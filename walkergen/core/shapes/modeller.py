@@ -1,4 +1,4 @@
-"""Solids of manifold3d: meshes to solids and back, extruded profiles, and its status as an exception.
+"""Solids of the library manifold3d: conversion from and to meshes, extrusion of profiles, failures as exceptions.
 
 Booleans of solids keep double precision: their tolerance is 1e-12 of the largest coordinate (measured at sizes from
 1e-3 to 1e3 mm). Profiles have to be scaled, see `extrude`.
@@ -26,6 +26,7 @@ class Engraving(NamedTuple):
     """Pockets cut into the upper flat side, z = the body's depth."""
 
     profiles: Sequence[Polygon]
+    """Outlines of the pockets, shape (n, 2) each, mm."""
     depth: float
     """Depth of the pockets, mm."""
 
@@ -64,7 +65,7 @@ def split_bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
 def count_bodies(mesh: Mesh) -> int:
     """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file. Cavities are no bodies.
 
-    Zero if it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
+    Return 0 if the mesh is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
     """
     rounded = mesh.vertices.astype(np.float32)
     vertices, index = np.unique(rounded, axis=0, return_inverse=True)
@@ -95,7 +96,7 @@ def extrude(
     scale = 2.0 ** (30 - math.frexp(max(largest_coordinate, depth))[1])
     section = manifold3d.CrossSection([scale * profile for profile in profiles], manifold3d.FillRule.Positive)
     if windows == 0:
-        section = _without_slivers(section)
+        section = _fill_slivers(section)
     solid = manifold3d.Manifold.extrude(section, scale * depth)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
         raise SolidError(f"the solid modeller gave no body: {solid.status().name}")
@@ -109,11 +110,8 @@ def extrude(
     return mesh._replace(vertices=mesh.vertices / scale)
 
 
-def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
-    """Fill the slivers of windows narrower than MIN_WINDOW_RATIO in a profile without windows.
-
-    Raises SolidError when a hole is larger than that.
-    """
+def _fill_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
+    """Return a profile with its holes filled. Raises SolidError if they exceed MIN_WINDOW_RATIO of its area."""
     min_area = MIN_WINDOW_RATIO * section.area()
     outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > min_area]
     filled = manifold3d.CrossSection(outlines)
@@ -123,13 +121,13 @@ def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSectio
 
 
 def _signed_area(polygon: Polygon) -> float:
-    """Return the area enclosed by a polygon, negative for a hole."""
+    """Return the area enclosed by a polygon, shape (n, 2), in its unit squared; negative for a hole."""
     following = np.roll(polygon, -1, axis=0)
     return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 
 
 def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
-    """Cut an engraving into the upper side, z = `scale` times `depth`, of a solid `scale` times as large as drawn."""
+    """Return a solid with an engraving cut into its upper side, z = `scale` `depth`. It is `scale` times as large."""
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
     cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)  # overshoots, so that no sides touch
     cut = solid - cutter.translate((0.0, 0.0, scale * (depth - engraving.depth)))

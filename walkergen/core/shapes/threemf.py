@@ -75,7 +75,7 @@ READ_ERRORS = (
 
 
 class Part(NamedTuple):
-    """Surface in a file, unchanged, sound or not."""
+    """Triangle mesh as a file contains it, which may be faulty."""
 
     name: str
     """Item's part number, or its object's name, or its place in the file."""
@@ -84,7 +84,7 @@ class Part(NamedTuple):
     triangles: Whole
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
     role: Role = "model"
-    """Whether it is printed, taken away from what is printed of its item, or neither."""
+    """Whether the mesh is printed ("model"), cut out of the printed meshes of its item ("negative"), or neither."""
     item: int = 0
     """Number of the printed item that it belongs to."""
 
@@ -125,26 +125,27 @@ def read_parts(data: bytes, source: str, most_triangles: int = MAX_TRIANGLES) ->
         raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
 
 
-class _Placed(NamedTuple):
-    """Object as an item or a component places it."""
+class _Placement(NamedTuple):
+    """Reference of an item or a component to an object, with the position where it puts the object."""
 
     object: ObjectKey
     name: str
     transform: Array
-    """Rows of the turn, and below them the shift, shape (4, 3), for corners as rows."""
+    """Matrix (3 rows) above the shift (1 row), shape (4, 3): a corner, as a row, becomes corner @ matrix + shift."""
     printed: bool
     """False for an item that a user has switched off."""
 
 
 class _Object(NamedTuple):
-    """Mesh, or components, of a model."""
+    """Object of a model: a mesh, or components, which refer to other objects."""
 
     name: str
     printed: bool
     sliced: bool
+    """Whether slices give its shape, so that its mesh may be a stand-in."""
     corners: "array[float]"
     triangles: "array[int]"
-    components: list[_Placed]
+    components: list[_Placement]
 
 
 class _Package:
@@ -153,7 +154,7 @@ class _Package:
     def __init__(self, most_triangles: int) -> None:
         self.most_triangles = most_triangles
         self.objects: dict[ObjectKey, _Object] = {}
-        self.items: list[_Placed] = []
+        self.items: list[_Placement] = []
         self.volumes: Volumes = {}
         self.unit = "millimeter"
         self._prefixes: dict[str | None, str] = {}
@@ -219,13 +220,13 @@ class _Package:
         parser.ParseFile(archive.open(name))
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
-        """Return functions that receive the elements of the model at `path`, and their text. `root`: the main model."""
+        """Return functions that parse elements and texts of the model at `path`. `root`: whether it is the main one."""
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
-        current, setting, place = _new_object({}), "", (path, 0)
+        current, setting, object_key = _new_object({}), "", (path, 0)
 
         def begin(tag: str, attributes: Attributes) -> None:
             """Store a vertex, triangle, object, component or item. Raises InputError for what cannot be read."""
-            nonlocal current, setting, place
+            nonlocal current, setting, object_key
             setting = ""
             if tag == triangle:
                 current.triangles.extend([int(attributes[key]) for key in ("v1", "v2", "v3")])
@@ -234,14 +235,14 @@ class _Package:
             elif tag == vertex:
                 current.corners.extend([float(attributes[key]) for key in "xyz"])
             elif tag == CORE_NAMESPACE + "object":
-                current, place = _new_object(attributes), (path, int(attributes["id"]))
-                if place in self.objects or len(self.objects) >= MAX_PARTS:
+                current, object_key = _new_object(attributes), (path, int(attributes["id"]))
+                if object_key in self.objects or len(self.objects) >= MAX_PARTS:
                     raise InputError(
-                        f"holds two objects {place[1]}; export the file again"
-                        if place in self.objects
+                        f"holds two objects {object_key[1]}; export the file again"
+                        if object_key in self.objects
                         else f"holds more than {MAX_PARTS} objects; join them into fewer"
                     )
-                self.objects[place] = current
+                self.objects[object_key] = current
             elif tag == CORE_NAMESPACE + "component":
                 current.components.append(_parse_placement(attributes, path))
             elif tag == CORE_NAMESPACE + "item" and root:
@@ -255,13 +256,13 @@ class _Package:
 
         def text(words: str) -> None:
             """Mark the current object as not printed if the text switches on a setting of UNPRINTED_SETTINGS."""
-            if setting in UNPRINTED_SETTINGS and words.strip().lower() == "true" and place in self.objects:
-                self.objects[place] = self.objects[place]._replace(printed=False)
+            if setting in UNPRINTED_SETTINGS and words.strip().lower() == "true" and object_key in self.objects:
+                self.objects[object_key] = self.objects[object_key]._replace(printed=False)
 
         return begin, text
 
     def _read_model_settings(self, attributes: Attributes, path: str, root: bool) -> None:
-        """Read a model's attributes. Raises InputError for settings that would change its meshes."""
+        """Read the unit in a model's attributes. Raises InputError for another unit, and for unsupported extensions."""
         unit = attributes.get("unit", "millimeter" if root else self.unit)
         if root:
             self.unit = unit
@@ -273,7 +274,7 @@ class _Package:
                 raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
     def _note_handler(self) -> Callable[[str, Attributes], None]:
-        """Return a function that reads the roles of triangles from the elements of a slicer's notes."""
+        """Return a function that stores the roles of triangles in `volumes`, from each element of a slicer's notes."""
         number = 0
 
         def begin(tag: str, attributes: Attributes) -> None:
@@ -306,24 +307,24 @@ class _Package:
         if (triangles := sum(triangles for _, triangles in counts)) > self.most_triangles:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
-    def _count_meshes(self, place: ObjectKey, depth: int) -> tuple[int, int]:
-        """Return the numbers of meshes and triangles of an object (path, number) that is `depth` levels deep."""
+    def _count_meshes(self, object_key: ObjectKey, depth: int) -> tuple[int, int]:
+        """Return the numbers of meshes and of triangles in an object, which is `depth` components below an item."""
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
-        if place not in self.objects:
-            raise InputError(f"places an object {place[1]} that it does not hold; export the file again")
-        if place not in self._counts:
-            counted = self.objects[place]
+        if object_key not in self.objects:
+            raise InputError(f"places an object {object_key[1]} that it does not hold; export the file again")
+        if object_key not in self._counts:
+            counted = self.objects[object_key]
             inner = [self._count_meshes(part.object, depth + 1) for part in counted.components]
             if counted.sliced or not (inner or len(counted.triangles)):
                 what = "is given by slices, its mesh may be a stand-in" if counted.sliced else "is no mesh"
-                raise InputError(f"object {place[1]} {counted.name[:40]!r} {what}; give triangles")
+                raise InputError(f"object {object_key[1]} {counted.name[:40]!r} {what}; give triangles")
             parts = sum(parts for parts, _ in inner) or 1
-            self._counts[place] = parts, sum(count for _, count in inner) + len(counted.triangles) // 3
-        return self._counts[place]
+            self._counts[object_key] = parts, sum(count for _, count in inner) + len(counted.triangles) // 3
+        return self._counts[object_key]
 
     def parts(self) -> Iterator[Part]:
-        """Yield the surfaces of all items, in their order, mm, split by their roles."""
+        """Yield the meshes of all items, in their order, mm. A mesh is split if its triangles have several roles."""
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
             for part, volumes in self._place_meshes(item.object, [item.transform]):
@@ -335,13 +336,13 @@ class _Package:
                 yield from _split_by_role(placed, volumes) if role == "model" else [placed]
 
     def _place_meshes(
-        self, place: ObjectKey, transforms: list[Array]
+        self, object_key: ObjectKey, transforms: list[Array]
     ) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
         """Yield an object's meshes, moved by all transforms, and the first and last triangle and role of each volume.
 
         `transforms`, shape (4, 3) each, are in the order from the item to the object. The last one applies first.
         """
-        placed = self.objects[place]
+        placed = self.objects[object_key]
         for part in placed.components:
             yield from self._place_meshes(part.object, [*transforms, part.transform])
         if not len(placed.triangles):
@@ -352,7 +353,7 @@ class _Package:
             vertices = vertices @ transform[:3] + transform[3]
             if np.linalg.det(transform[:3]) < 0.0:  # a mirror image is turned inside out
                 triangles = triangles[:, ::-1]
-        yield Part("", vertices, triangles, "model" if placed.printed else "other"), self.volumes.get(place[1], [])
+        yield Part("", vertices, triangles, "model" if placed.printed else "other"), self.volumes.get(object_key[1], [])
 
 
 def _new_object(attributes: Attributes) -> _Object:
@@ -363,17 +364,17 @@ def _new_object(attributes: Attributes) -> _Object:
     return _Object(attributes.get("name", ""), printed, sliced, array("d"), array("q"), [])
 
 
-def _parse_placement(attributes: Attributes, path: str) -> _Placed:
-    """Return the object that an item or a component places, from the model at `path` or at a path of its own."""
+def _parse_placement(attributes: Attributes, path: str) -> _Placement:
+    """Parse the reference of an item or a component to an object: in the model at `path`, or at the path it states."""
     paths = [value for name, value in attributes.items() if name.endswith(" path")]
-    place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
+    object_key = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
     numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
     printed = attributes.get("printable", "1").strip() not in ("0", "false")
-    return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3), printed)
+    return _Placement(object_key, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3), printed)
 
 
 def _split_by_role(part: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
-    """Split a part by the roles of its triangles. Triangles outside all volumes belong to the model.
+    """Yield a mesh in pieces, one for each role of its triangles. Triangles outside all volumes belong to the model.
 
     `volumes` has the first and last triangle and the role of each. Raises InputError if they share triangles.
     """
