@@ -1,4 +1,4 @@
-"""Assignments as on a command line: any key of a TOML file, validated as its line is.
+"""Assignments KEY=VALUE to the keys of a TOML file, from a command line or Python, validated as the file is.
 
 Keys are dotted, entries of lists numbered from 1 as in messages: legs[2].tilt_deg.
 """
@@ -23,7 +23,7 @@ BARE_NUMBER_PATTERN = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?")
 
 
 def split_key_value(text: str) -> tuple[str, str]:
-    """Split "KEY=VALUE" into key and value, as written. Raises InputError."""
+    """Split "KEY=VALUE" into the texts of key and value. Raises InputError for other text."""
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MAX_CHARACTERS:
         raise InputError(
@@ -60,7 +60,7 @@ def parse_value(text: str) -> Any:
 
 
 def check_key(key: str, model: type[Section], source: str, prefix: str = "") -> None:
-    """Raise InputError, beginning with `source`, for a dotted key that a file of this model cannot have.
+    """Raise InputError, whose message begins with `source`, for a dotted key that a file of this model cannot have.
 
     The message lists known keys after `prefix`.
     """
@@ -72,7 +72,7 @@ def check_key(key: str, model: type[Section], source: str, prefix: str = "") -> 
 def read_with_values(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> Model:
-    """Return the contents of a TOML file with these keys replaced, as if the file contained the values.
+    """Return the validated contents of a TOML file, in which `values`, by dotted keys, replace those of the file.
 
     Relative paths in the values start from the working directory. Raises InputError, or
     GeometryError, with a line for every mistake: in the file, otherwise in the values. Lines on
@@ -84,7 +84,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """Return the validated contents of a TOML file with these keys replaced, and its data before validation."""
+    """Return the result of `read_with_values`, and the tables of the file before validation and without the values."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)
@@ -98,7 +98,7 @@ def read_with_data(
 def _repair_with_values(
     error: InputError, data: dict[str, Any], model: type[Model], values: Mapping[str, Any], source: str, prefix: str
 ) -> Model:
-    """Return the contents of a file that has mistakes, if setting the values repairs all of them.
+    """Return the validated contents of a faulty file, if `values`, by dotted keys, replace all that is wrong in it.
 
     Raises the file's own error if the values do not change it, otherwise the error of file and values.
     """
@@ -110,7 +110,7 @@ def _repair_with_values(
 
 
 def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:
-    """Return a validated copy of a file's contents with other values of these keys.
+    """Return a validated copy of `section`, a file's contents, with `values` set by dotted keys.
 
     Raises InputError, or GeometryError, with a line for every mistake, which begins with `source` and names the key
     after `prefix`.
@@ -125,8 +125,8 @@ def assign_values(
 ) -> Model:
     """Set dotted keys of `data` to values, in place, and return the validated result.
 
-    `section` has the validated contents before. Raises InputError, or GeometryError, with lines that begin with
-    `source` and name keys after `prefix`.
+    `section` has the validated contents of `data` before the change. Raises InputError, or GeometryError, with lines
+    that begin with `source` and name keys after `prefix`.
     """
     for key, value in values.items():
         _check_key_form(key, f"{source}: {prefix}")
@@ -138,7 +138,7 @@ def assign_values(
 
 
 def _check_key_form(key: str, message_start: str) -> None:
-    """Raise InputError for text that does not have the form of a key."""
+    """Raise InputError, whose message begins with `message_start`, for text that has not the form of a dotted key."""
     if not KEY_PATTERN.fullmatch(key):
         reason = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"
         raise InputError(f"{message_start}{key[:60]!r}: {reason}")

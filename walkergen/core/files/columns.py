@@ -17,8 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import file_reading, safe_text
-from walkergen.core.files import formatting as words_of
+from walkergen.core.files import file_reading, formatting, safe_text
 from walkergen.core.files.tables import unquote_formula
 
 Array = npt.NDArray[np.float64]
@@ -52,7 +51,7 @@ class Columns(NamedTuple):
     """Reason why each other row was left out, by its line in the file."""
 
     def reject_rows(self, wrong: Mask, reason: str) -> "Columns":
-        """Return the columns without the rows in `wrong`, shape (rows,), which become bad rows with this reason."""
+        """Return the columns without the rows that are True in `wrong`, shape (rows,). These become `bad` rows."""
         bad = self.bad | {int(line): reason for line in self.lines[wrong]}
         kept = {name: values[~wrong] for name, values in self.values.items()}
         return Columns(kept, self.lines[~wrong], bad)
@@ -68,7 +67,7 @@ class Records(NamedTuple):
 
 
 def read_header(path: Path) -> list[str]:
-    """Read the names in the first line of a file. Raises InputError for missing and for equal names."""
+    """Return the columns' names in the first line of a CSV file. Raises InputError for missing and for equal names."""
     return first_two_rows(file_reading.read_lines(path, FORMAT_NAME), str(path))[0]
 
 
@@ -129,9 +128,9 @@ def read_numbers(
 
     `lines` replace the lines of the file, for a file that another program writes in a format of its own.
 
-    Optional columns may have blank cells. `words` has the texts that a column may hold, which are read as their index
-    in the list. Other columns are not looked at (trackpy's `mass` is a brightness, not a mass). Raises InputError when
-    the file cannot be read, when a required column is missing, and when no row is usable.
+    Optional columns may have blank cells. `words` has the texts that a column may hold, by its name: each text is read
+    as its index in the list. Other columns are not looked at (trackpy's `mass` is a brightness, not a mass). Raises
+    InputError when the file cannot be read, when a required column is missing, and when no row is usable.
     """
     names, stream = _read_names(iter(file_reading.read_lines(path, FORMAT_NAME) if lines is None else lines), str(path))
     missing = [name for name in required if name not in names]
@@ -172,13 +171,13 @@ def read_numbers(
 
 
 def parse_count(text: str, most: int) -> int | None:
-    """Return the whole number in 1..most that a text in plain digits contains, or None."""
+    """Return the whole number that a text in plain digits contains, or None if it is outside 1..most or no number."""
     value = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else 0
     return value if 1 <= value <= most else None
 
 
 def describe_bad_rows(bad: dict[int, str], most: int = MAX_NAMED_ROWS) -> str:
-    """Describe how many rows were left out, and why for the first `most`, or return ''. `bad` is that of `Columns`."""
+    """Describe the number of bad rows, and the reasons for the first `most`. `bad`: reasons by line; '' without any."""
     if not bad:
         return ""
     named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:most])
@@ -215,7 +214,7 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
 
 
 def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
-    """Return the problem of each line with more than `count` cells, by line number from `first` on."""
+    """Return a message on each line with more than `count` cells, by line number. The chunk begins at line `first`."""
     problems = {}
     for at, line in enumerate(chunk, first):
         if line.count(",") >= count:
@@ -226,7 +225,7 @@ def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -
 
 
 def split_cells(line: str, source: str, at: int) -> list[str]:
-    """Return the cells of a line. An empty line has none. Raises InputError with `source` and the line number `at`."""
+    """Split a line into its cells; an empty line has none. Raises InputError, with `source` and line number `at`."""
     if MATCH_PLAIN_LINE(line):  # as below, in a third of the time
         return line.removesuffix("\n").split(",")
     try:
@@ -291,7 +290,7 @@ def _parse_cell(row: list[str], column: int, optional: bool, words: Sequence[str
     text = row[column].strip() if column < len(row) else ""
     if words and text:
         return float(words.index(text)) if text in words else _UNREADABLE
-    value = words_of.parse_number(text)
+    value = formatting.parse_number(text)
     if value is not None:
         return value
     return math.nan if optional and text.lower() in ("", "nan") else _UNREADABLE

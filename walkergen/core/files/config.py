@@ -108,7 +108,7 @@ def read_section(path: Path, model: type[Model]) -> Model:
 
 
 def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
-    """Read the data of a file, before validation, and its text, "" for a file that is no TOML. Raises InputError."""
+    """Return the unvalidated tables of a file, and its text, or "" for a file that is no TOML. Raises InputError."""
     data_of_file = model.data_from_file(path)
     data, text = read_toml(path) if data_of_file is None else (data_of_file, "")
     if not data:
@@ -119,7 +119,7 @@ def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
 
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
-    """Read the contents and text of a TOML file. Raises InputError when it cannot be read."""
+    """Return the tables of a TOML file as a dictionary, and the file's text. Raises InputError if it cannot be read."""
     text = "".join(file_reading.read_lines(path, "a TOML file", MAX_BYTES))
     try:
         return parse_toml(text), text
@@ -129,7 +129,7 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Return the contents of TOML text.
+    """Return the tables and keys of TOML text as a dictionary.
 
     Raises ValueError for other text, for too deep nesting, and for whole numbers too long for Python.
     """
@@ -181,16 +181,16 @@ def normalize_number(value: Any) -> Any:
 
 
 def format_location(location: tuple[str, ...], source: str, text: str) -> str:
-    """Return the source of a TOML text, with the line of the key at `location` if it is found: "my.toml:12"."""
+    """Return `source`, the file of a TOML text, with the line of the key at `location` if it is found: "my.toml:12"."""
     line = _find_line(location, text)
     return f"{source}:{line}" if line else source
 
 
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = "") -> Model:
-    """Validate data by a model. `source` (a file or flag) and the file's text give the place of each mistake.
+    """Return data as a validated instance of `model`. Messages begin with `source` (file or flag) and a line of `text`.
 
-    Messages list keys after `prefix`. Raises InputError, or GeometryError for parts that cannot be
-    built, with a line for every mistake.
+    They write `prefix` before keys. Raises InputError, or GeometryError for parts that cannot be built, with a line for
+    every mistake.
     """
     try:
         return model.model_validate(data)
@@ -216,14 +216,14 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 
 
 def mistakes_error(mistakes: Sequence[str], source: object) -> InputError:
-    """Return an error that lists the first mistakes, one a line, and counts the others after `source`."""
+    """Return an error that lists the first mistakes, one a line, and then `source` and the number of others."""
     more = len(mistakes) - MAX_REPORTED_MISTAKES
     tail = [f"{source}: and {more} more mistakes"] if more > 0 else []
     return InputError("\n".join([*mistakes[:MAX_REPORTED_MISTAKES], *tail]))
 
 
 def _leading_key(problem: str, model: type[Section]) -> str:
-    """Return the key at the start of a mistake's line, or "" if the line starts with another word."""
+    """Return the dotted key that a message on a mistake begins with, or "" if it begins with no key of the model."""
     word = problem.split(" ", 1)[0].rstrip(":")
     return word if _field_at(_split_key(word), model) is not None else ""
 
@@ -260,8 +260,8 @@ def _format_value(value: Any) -> str:
     return _shorten(VALUE_REPR.repr(value))
 
 
-def _shorten(shown: str) -> str:
-    return shown if len(shown) <= 60 else shown[:57] + "..."
+def _shorten(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _key_path(pydantic_location: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
@@ -279,7 +279,7 @@ def _key_path(pydantic_location: Sequence[str | int], model: type[Section]) -> t
 
 
 def _union_tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
-    """Return pydantic's tags of the alternative types that a key may have."""
+    """Return pydantic's tags, such as "table" and "list", of the alternative types of the key at `location`."""
     field = _field_at(location, model)
     forms = get_args(field.annotation) if field else ()
     metadata = [item for form in forms for item in getattr(form, "__metadata__", ())]
@@ -341,23 +341,23 @@ def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix
 
 
 def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
-    """Suggest a key of the same name in another table, one with a similar name in this table, or all of this table."""
+    """Return a message that suggests an allowed key of the same or a similar name, or lists all keys of the table."""
     table = _model_at(location[:-1], model)
     if table and location[-1] in table.removed_keys:
         return f"this key was removed. {table.removed_keys[location[-1]]}"
     if table and (translation := table.translate_key(location[-1])):
         return f"unknown key. {translation}"
     keys = key_paths(model)
-    beside = [(*location[:-1], name) for name in table.model_fields] if table else keys
-    close = difflib.get_close_matches(location[-1], [path[-1] for path in beside], n=1, cutoff=0.6)
-    near = [path for path in keys if path[-1] == location[-1]] + [path for path in beside if path[-1] in close]
+    in_table = [(*location[:-1], name) for name in table.model_fields] if table else keys
+    close = difflib.get_close_matches(location[-1], [path[-1] for path in in_table], n=1, cutoff=0.6)
+    near = [path for path in keys if path[-1] == location[-1]] + [path for path in in_table if path[-1] in close]
     if near:
         return f"unknown key; did you mean {prefix}{'.'.join(near[0])}?"
-    return f"unknown key; known here: {', '.join(path[-1] for path in beside if table or len(path) == 1)}"
+    return f"unknown key; known here: {', '.join(path[-1] for path in in_table if table or len(path) == 1)}"
 
 
 def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Return the keys of a table and of all tables in it, each as the path that leads to it."""
+    """Return the path, such as ("drive", "gamma"), of each key in a table and in its inner tables, after `prefix`."""
     paths: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
         paths.append((*prefix, name))
@@ -394,7 +394,7 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
 def describe_allowed_values(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
     """Describe the values that a key may hold, from the model's constraints, or return '' without constraints.
 
-    Of many words it names those most like the wrong value, `seen`.
+    Of many allowed words it lists only those most like the wrong value, `seen`.
     """
     field = _field_at(location, model)
     if field is None:

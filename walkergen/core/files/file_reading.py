@@ -51,16 +51,13 @@ codecs.register_error(CODE_PAGE, _decode_code_page)
 
 
 def read_start(path: Path, count: int, format: str) -> bytes:
-    """Read the first `count` bytes of a file, which identify its format. Raises InputError when it cannot be read."""
+    """Read the first `count` bytes of a file. Raises InputError, which names the required `format`, on failure."""
     with _open_regular_file(path, format, None) as stream:
         return stream.read(count) or b""
 
 
 def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") -> bytes:
-    """Return the bytes of a file of any format.
-
-    Raises InputError when it cannot be read or exceeds `most_bytes`.
-    """
+    """Return all bytes of a file. Raises InputError when it cannot be read or exceeds `most_bytes`."""
     with _open_regular_file(path, format, most_bytes) as stream:
         data = stream.read(most_bytes + 1)
         if data is None:  # what the kernel shows as a file, and fills as it likes
@@ -71,10 +68,7 @@ def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") 
 
 
 def read_json(path: Path, most_bytes: int = MAX_BYTES) -> Any:
-    """Read a JSON file.
-
-    Raises InputError when it cannot be read, exceeds `most_bytes` or is not JSON.
-    """
+    """Return the value in a JSON file. Raises InputError when it is unreadable, exceeds `most_bytes` or is no JSON."""
     try:
         data = json.loads(read_bytes(path, most_bytes, "a JSON file"))
         json.dumps(data, ensure_ascii=False, allow_nan=False).encode()  # NaN, halves of letters
@@ -85,7 +79,7 @@ def read_json(path: Path, most_bytes: int = MAX_BYTES) -> Any:
 
 
 def check_readable(path: Path, format: str) -> None:
-    """Raise InputError unless a file can be read and is not empty, before a library reads it."""
+    """Raise InputError, which names the required `format`, unless a file can be read and is not empty."""
     with _open_regular_file(path, format, None) as stream:
         if not stream.read(1):
             raise InputError(f"{path}: is empty; give {format}")
@@ -93,10 +87,10 @@ def check_readable(path: Path, format: str) -> None:
 
 @contextmanager
 def translate_library_errors(source: str, kind: str) -> Iterator[None]:
-    """Turn any error of a third-party library into an InputError while it reads a user's file.
+    """Turn any error of a third-party library into an InputError, while it reads a user's file in the `with` block.
 
-    The InputError begins with `source` and states that the file is not a sound one of its kind.
-    Warnings and logs of the library are not shown.
+    The message begins with `source` and states that the file is no sound one of its `kind`, such as "SVG". Warnings
+    and logs of the library are not shown.
     """
     disabled = logging.root.manager.disable
     logging.disable(logging.CRITICAL)

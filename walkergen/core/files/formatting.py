@@ -67,7 +67,7 @@ def format_to_error(error: float, values: Sequence[float]) -> list[str]:
 
 
 def format_range(low: float | None, high: float | None, digits: int = 4) -> str:
-    """Format an interval with significant digits. An end of None is not known."""
+    """Format an interval, such as "1 to 2", with significant digits. None is an unknown end: "above 1"."""
     if low is None and high is None:
         return "any value"
     if low is None or high is None:
@@ -78,7 +78,7 @@ def format_range(low: float | None, high: float | None, digits: int = 4) -> str:
 
 
 def format_duration(seconds: float, digits: int = 2) -> str:
-    """Format a time in a suitable unit, from us to years, with significant digits."""
+    """Format a time in s in a suitable unit, from us to years, with `digits` significant digits."""
     units = ((3.15576e7, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min"))
     for size, unit in units:
         if seconds >= 2.0 * size:
@@ -90,7 +90,7 @@ def format_duration(seconds: float, digits: int = 2) -> str:
 
 
 def format_budget(seconds: float) -> str:
-    """Format a time as the option --budget takes it, rounded up: 45s, 12min, 3h."""
+    """Format a time in s as a value of the option --budget, rounded up: 45s, 12min, 3h."""
     for limit, size, unit in ((120.0, 1.0, "s"), (7200.0, 60.0, "min")):
         if seconds <= limit:
             return f"{math.ceil(seconds / size)}{unit}"

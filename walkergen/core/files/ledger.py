@@ -32,7 +32,7 @@ NOT_OURS_ERRNOS = {
     errno.ENXIO,
     errno.ENAMETOOLONG,
 }
-"""Reasons why a file cannot be opened that tell that it is not there or not ours."""
+"""Errors of opening a file that show that it is missing or not ours."""
 
 BLANK_SEAL = b"0" * 64
 """Seal that is to be made."""
@@ -57,7 +57,7 @@ class Ledger:
             self._read_lines(self._file)
 
     def _read_lines(self, file: int) -> None:
-        """Add the hashes in an open file to `digests`, without lines that a killed process cut short."""
+        """Add the hashes in a file, by its descriptor, to `digests`, without lines that a killed process cut short."""
         if os.fstat(file).st_size > MAX_BYTES:
             return  # not written by us: nothing is known of any file
         data = b""
@@ -157,7 +157,7 @@ def try_lock(file: int) -> bool:
 
 
 def hash_file(path: Path) -> str | None:
-    """Return the SHA-256 of a plain file that is no link, or None for anything else, which walkergen never writes.
+    """Return the SHA-256 (hexadecimal digits) of a plain file. None for links and all else that walkergen never writes.
 
     Raises OSError for a file that cannot be read to its end.
     """

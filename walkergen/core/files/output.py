@@ -37,7 +37,7 @@ MAX_NAMED_FILES = 5
 
 
 def describe_wrong_ending(path: Path, endings: Iterable[str], note: str = "") -> str:
-    """Return what is wrong with the name of a file that has none of these endings. `note` ends the message."""
+    """Return a message on a file name that has none of these endings, or has nothing before it. `note` ends it."""
     if path.name.lower() in endings:
         return f"the name before the ending is missing. Write for example run{path.name}"
     return f"must end in one of {', '.join(endings)}{note}"
@@ -101,7 +101,7 @@ def _remove_leftovers(folder: Path) -> None:
 
 
 def rewrite_sealed(path: Path, data: bytes) -> None:
-    """Write data with a seal (`ledger.add_seal`) as `write` does, after `check_overwritable`. Raises OutputError."""
+    """Write data that end in a seal (`ledger.add_seal`). Raises OutputError for a file that a user wrote or changed."""
     check_overwritable(path)
     write(path, data)
 
@@ -185,7 +185,7 @@ class Folder:
         self._ledger = opened
 
     def write(self, name: str, data: bytes) -> bool:
-        """Write one file by its name relative to the folder. If there is a user's file, keep it and return False."""
+        """Write a file by its name relative to the folder, and return True. Keep a user's file, and return False."""
         self.claim()
         assert self._ledger is not None
         path, digest = self.path / name, hashlib.sha256(data).hexdigest()
@@ -267,7 +267,7 @@ class Folder:
         return facts
 
     def is_unchanged(self) -> bool:
-        """Return whether every file of an earlier run is unchanged, or False without any."""
+        """Return whether all files in the manifest of an earlier run are unchanged; False without such files."""
         listed = _listed_hashes(self.earlier_manifest())
         return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
@@ -285,7 +285,7 @@ class Folder:
         return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
 
     def _can_overwrite(self, name: str, digest: str) -> bool:
-        """Return whether writing a file of this hash loses nothing: there is none, an equal one, or one of ours."""
+        """Return whether the file `name` is missing, empty, ours, or of this hash, so that nothing is lost."""
         path = self.path / name
         try:
             status = path.lstat()
@@ -294,7 +294,7 @@ class Folder:
         return _is_empty(status) or self._hash(name) == digest or self._is_ours(name)
 
     def _hash(self, name: str) -> str | None:
-        """Return the hash of a plain file in the folder, or None for anything else."""
+        """Return the SHA-256 of a plain file in the folder, in hexadecimal digits, or None for anything else."""
         try:
             return hash_file(self.path / name)
         except OSError as error:
@@ -316,8 +316,8 @@ def _listed_hashes(facts: dict[str, Any]) -> dict[str, str]:
     return files if isinstance(files, dict) else {}
 
 
-def _manifest_error(path: Path, why: str) -> OutputError:
-    return OutputError(f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another ‹out›")
+def _manifest_error(path: Path, reason: str) -> OutputError:
+    return OutputError(f"{str(path)!r}: {reason}: all files there are left alone; move it away, or give another ‹out›")
 
 
 def _is_inside(folder: Path, name: str) -> bool:
@@ -342,7 +342,7 @@ def versions() -> dict[str, str]:
 def result_folder(path: Path, out: Path | None, what: str) -> Path:
     """Return the folder for a command's results on the file `path`: OUT/WHAT, or without `out` out/STEM/WHAT.
 
-    Each command has its own `what`, so that results of other commands stay.
+    STEM is that of the file. Each command has its own `what`, so that results of other commands stay.
     """
     return (out or Path("out") / safe_folder_name(path)) / what
 

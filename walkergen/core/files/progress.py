@@ -21,17 +21,17 @@ Expect = Callable[[Callable[[], Expected | None]], None]
 
 
 def ignore_estimate(find: Callable[[], Expected | None]) -> None:
-    """Do not call the function `find` that estimates a job's duration: an `Expect` for callers that need none."""
+    """Ignore `find`, the function that estimates a job's duration. Callers that need no estimate pass this `Expect`."""
 
 
 def silent(what: str, done: int, total: int) -> None:
-    """Report nothing: a `Progress` for callers that show none."""
+    """Ignore a report of progress. Callers that show none pass this function as `Progress`."""
 
 
 def part_progress(progress: Progress, number: int, count: int, title: str = "") -> Progress:
     """Return a callback for the `number`-th (from 0) of `count` equal parts of a job, which reports to `progress`.
 
-    A title replaces the part's own description.
+    A `title` replaces the description in the reports of the part.
     """
     return lambda what, done, total: progress(title or what, number * total + done, count * total)
 

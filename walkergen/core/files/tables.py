@@ -13,7 +13,7 @@ FORMULA_START = re.compile(r"'*[=+\-@\t\r]")
 
 
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
-    """Format comma-separated values under a header: every digit of a number, nothing for None.
+    """Return the text of a CSV file, a header and lines of cells: every digit of a number, an empty cell for None.
 
     Text that a spreadsheet would run gets an apostrophe before it. `unquote_formula` removes it. Options
     marked as ‹option› become the arguments of Python functions.
@@ -26,7 +26,7 @@ def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
 
 
 def quote_formula(cell: Any) -> Any:
-    """Return a cell of a CSV file, with an apostrophe before text that would be a formula."""
+    """Return a cell of a CSV file, with an apostrophe before text that a spreadsheet would run as a formula."""
     formula = isinstance(cell, str) and FORMULA_START.match(cell) and not _is_number(cell)
     return f"'{cell}" if formula else cell
 
