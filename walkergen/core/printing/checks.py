@@ -108,7 +108,7 @@ def check_printer(printer: Printer) -> list[Finding]:
 
 
 def check_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
-    """Return the findings on the bounding boxes on one plate: off the bed, too close, overlapping."""
+    """Return the findings on the plate `name`: parts whose bounding boxes leave the bed, overlap, or are too close."""
     boxes = np.array(
         [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in plate.placements]
     ).reshape(-1, 4)
@@ -123,9 +123,9 @@ def _check_walls(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
-    """Return the finding on a wall, or None if it prints well.
+    """Return the worst finding on a wall, or None if it prints well.
 
-    There is advice if its plastic deviates by more than `mass_sd`, a share of the drawn plastic.
+    There is advice if its plastic deviates from the drawn by more than `mass_sd`, a share.
     """
     width, section, slant = printer.line_width_mm, wall.thickness_in_layer, wall.slant
     lines, expected = section / width, walls.plastic_deviation(section, printer)
@@ -133,7 +133,7 @@ def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
     change, name = f"{better:g} mm would do", walls.with_article(wall.name)
 
     def wall_finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
-        """Return a finding on this wall, with the better thickness as its setting if `change` proposes that."""
+        """Return a finding on this wall, with `better`, the thickness, as its setting if `change` proposes that."""
         setting = Setting(wall.key, better) if wall.key and "would do" in change else None
         return make_finding(wall.part, level, what, seen, limit, unit, change, setting)
 
@@ -158,7 +158,7 @@ def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
 
 
 def _is_good_thickness(thickness: float, printer: Printer) -> bool:
-    """Return whether a wall neither fails nor prints another mass than predicted."""
+    """Return whether a wall of this thickness, mm, prints, and with nearly the plastic that is drawn."""
     lines = thickness / printer.line_width_mm
     return (
         thickness > walls.vanishing_thickness(printer)
@@ -169,7 +169,7 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
-    """Return the closest thickness, in hundredths of a mm, at which a wall prints well.
+    """Return the closest thickness, mm, rounded to 0.01 mm, at which a wall prints well.
 
     `slant` is the cosine of the wall's tilt.
     """
@@ -181,7 +181,7 @@ def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) ->
 
 
 def _classic_walls_hint(lines: float, printer: Printer) -> str:
-    """Return advice for a wall of this many lines that the classic wall generator would print as drawn, or ""."""
+    """Return the advice to use classic walls, for a wall (as thick as `lines` lines) that gains by it, or ""."""
     if printer.wall_generator == "classic" or lines > ONE_LINE_RANGE[1]:
         return ""
     return '; wall_generator = "classic" with thin_walls = true prints it as drawn'
@@ -212,7 +212,7 @@ def _check_marks(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_layers(design: Design, printer: Printer) -> Iterator[Finding]:
-    """Yield the findings on sizes of a walker that are no whole number of layers."""
+    """Yield the findings on upright sizes of a printed walker that are no whole number of layers."""
     height, size = printer.layer_height_mm, design.size
     if solids.is_printed_on_side(design):
         yield from _check_whole_layers(About.BODY, "depth", size.depth, height, "body.depth_mm")

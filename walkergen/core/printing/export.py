@@ -55,23 +55,23 @@ class Item(NamedTuple):
     """Index of the copy's solid in the list of solids."""
     part_number: str
     x: float
-    """Place of the left of the solid's bounding box, mm."""
+    """Left edge of the copy's bounding box, mm."""
     y: float
-    """Place of the front of the solid's bounding box, mm."""
+    """Front edge of the copy's bounding box, mm."""
 
 
 def stl_bytes(mesh: Mesh, header: str) -> bytes:
-    """Return a mesh in mm as binary STL. The file begins with "binary STL, mm: " and then the text `header`."""
+    """Return the bytes of a binary STL file of a mesh in mm. They begin with "binary STL, mm: " and `header`."""
     return stl.pack(mesh.vertices[mesh.triangles], header)
 
 
 def part_3mf(mesh: Mesh, name: str) -> bytes:
-    """Return a 3MF file of a single part in mm, in the positive octant with its corner at the origin."""
+    """Return the bytes of a 3MF file of one part, in mm, with the corner of its bounding box at the origin."""
     return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
 
 
 def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None) -> bytes:
-    """Return a 3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
+    """Return the bytes of a 3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
     A copy whose part number is not its solid's name has an object of its own, which refers to the solid and bears the
     copy's name: Bambu Studio and OrcaSlicer list it, and the plate by `title`. Names may hold anything: what XML cannot
@@ -88,13 +88,13 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
     for key, value in (("Title", title), ("Application", APPLICATION)):
         metadata.AddMetaData("", key, value, "xs:string", True)
     meshes = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
-    named: list[_Named] = []
+    named: list[_NamedCopy] = []
     for number, (item, name) in enumerate(zip(items, part_numbers, strict=True)):
         shown_object, solid_name = meshes[item.solid], _xml_safe(solids[item.solid].name)
         if name != solid_name:
             mesh, shown_object = shown_object, _add_copy(model, shown_object, name, title, number)
             ids = shown_object.GetModelResourceID(), mesh.GetModelResourceID()
-            named.append(_Named(name, solid_name, *ids, solids[item.solid]))
+            named.append(_NamedCopy(name, solid_name, *ids, solids[item.solid]))
         transform = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
         built = model.AddBuildItem(shown_object, transform)
         built.SetPartNumber(name)
@@ -111,7 +111,7 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
 
 
 def declare_prusaslicer(data: bytes) -> bytes:
-    """Return the 3MF file declared to be PrusaSlicer's own, with the same content, so that copies stay copies.
+    """Return the bytes of a 3MF file, `data`, declared to be PrusaSlicer's own, so that it imports copies as copies.
 
     PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
     items, and slices it once. Of other files it makes an object of every item. It looks for its
@@ -140,7 +140,7 @@ def _zip_files(files: Mapping[str, bytes]) -> bytes:
     return target.getvalue()
 
 
-class _Named(NamedTuple):
+class _NamedCopy(NamedTuple):
     """Printed copy that has a name, and so an object, of its own in a 3MF file."""
 
     name: str
@@ -149,10 +149,11 @@ class _Named(NamedTuple):
     number: int
     """Number of its object in the file."""
     solid_number: int
+    """Number of its solid's object in the file."""
     shape: Solid
 
 
-def _prusa_settings(named: Sequence[_Named]) -> bytes:
+def _prusa_settings(named: Sequence[_NamedCopy]) -> bytes:
     """Return the file from which PrusaSlicer reads that solids have supports. It lists their triangles as volumes."""
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
     for item in {item.solid_number: item for item in named if item.shape.supports}.values():
@@ -164,8 +165,8 @@ def _prusa_settings(named: Sequence[_Named]) -> bytes:
     return "\n".join([*lines, "</config>", ""]).encode()
 
 
-def _model_settings(named: Sequence[_Named], title: str) -> bytes:
-    """Return the file from which Bambu Studio and OrcaSlicer read the names of copies and of their plate, `title`."""
+def _model_settings(named: Sequence[_NamedCopy], title: str) -> bytes:
+    """Return the XML from which Bambu Studio and OrcaSlicer read the names of copies and of their plate, `title`."""
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
     for item in named:
         supports = ORCA_SUPPORTS if item.shape.supports else {}

@@ -90,7 +90,7 @@ def make_finding(
     change: str,
     setting: Setting | None = None,
 ) -> Finding:
-    """Create a finding whose place is not set yet: problem `what`, its size `seen` with a limit, remedy `change`."""
+    """Return a finding without a place: problem `what`, its size `seen` and the limit in `unit`, remedy `change`."""
     return Finding(level, "", what, float(seen), float(limit), unit, change, part, setting)
 
 
@@ -100,7 +100,7 @@ def with_place(where: str, findings: Iterable[Finding]) -> list[Finding]:
 
 
 def combine_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
-    """Join the findings of printers, given by name, in one list. If there are several, places begin with the name."""
+    """Return one list of the findings of printers, given by name. With several printers, places begin with the name."""
     return [
         finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
         for printer, findings in named
@@ -109,7 +109,7 @@ def combine_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Fin
 
 
 def group_findings(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
-    """Merge findings with the same limit and remedy into the worst of them, and list errors first.
+    """Return findings, errors first, in which the worst replaces all with the same limit and remedy.
 
     The worst is the farthest from the limit. Its place gets the number of the other places. Only `levels` are listed.
     """
@@ -126,11 +126,11 @@ def group_findings(findings: Sequence[Finding], levels: Collection[Level] = LEVE
 
 
 def warning_lines(findings: Sequence[Finding]) -> list[str]:
-    """Format warnings, one line each."""
+    """Return a line for each of the findings that is a warning, similar ones merged."""
     return [finding.line for finding in group_findings(findings, {"warning"})]
 
 
 def check_printable(findings: Sequence[Finding], strict: bool) -> None:
-    """Raise PrintabilityError, a line each, for errors and, if `strict`, for warnings too."""
+    """Raise PrintabilityError, with a line for each finding, if there are errors or, if `strict`, warnings."""
     if fatal := group_findings(findings, {"error", "warning"} if strict else {"error"}):
         raise PrintabilityError("\n".join(finding.line for finding in fatal))

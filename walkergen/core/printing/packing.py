@@ -83,7 +83,7 @@ def spacing(printer: Printer) -> float:
 
 
 def capacity(part: Part, printer: Printer) -> int:
-    """Count the copies of a part that fit on one plate in a plain grid, or return 0 when it is too large."""
+    """Return the number of copies of a part that fit on one plate in a grid; 0 for a part larger than the printer."""
     if _round_up_micrometres(part.height) > _round_up_micrometres(printer.height_mm):
         return 0
     (bed_width, bed_depth), (width, depth) = _bed_micrometres(printer), _cell_size(part, printer)
@@ -93,7 +93,7 @@ def capacity(part: Part, printer: Printer) -> int:
 def pack(
     parts: Sequence[Part], printer: Printer, max_plates: int | None = None, max_parts: int = MAX_PARTS
 ) -> list[Plate]:
-    """Arrange all copies in rows in the order of the parts, at most `max_parts` on a plate.
+    """Return plates with all copies in rows, in the order of the parts, at most `max_parts` on a plate.
 
     The rows of a plate together lie in the middle of the bed. Raises PlateError when a part is larger than the usable
     bed or taller than the printer, when more than `max_plates` are needed, and for more than MAX_ARRANGED_PARTS copies.
@@ -125,7 +125,7 @@ def plate_3mf(
     title: str,
     thumbnail: bytes | None = None,
 ) -> bytes:
-    """Return the 3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts.
+    """Return the bytes of a 3MF file of one plate in the printer's coordinates. `meshes` and `parts` match in order.
 
     `thumbnail` is a PNG that file managers show.
     """
@@ -149,7 +149,7 @@ def plate_file(
     thumbnail: bytes | None = None,
     prusaslicer: bool = False,
 ) -> tuple[str, bytes]:
-    """Return suffix and bytes of one plate's file: 3MF, or STL if lib3mf is not installed.
+    """Return the suffix and the bytes of one plate's file: 3MF, or STL if lib3mf is not installed.
 
     `prusaslicer` declares a 3MF file to be PrusaSlicer's own, and raises InputError without lib3mf.
     """
@@ -183,7 +183,7 @@ def item_name(part: Part, copy: int) -> str:
 
 
 def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
-    """Place copies in rows, left to right and front to back, each as deep as its deepest part."""
+    """Return plates of copies in rows, left to right and front to back, each row as deep as its deepest part."""
     bed_width, bed_depth = _bed_micrometres(printer)
     plates: list[Plate] = []
     placed: list[tuple[int, int, int, int]] = []  # copies on the current plate: part, copy, x, y; micrometres
@@ -221,7 +221,7 @@ def _free_bed(printer: Printer) -> tuple[float, float]:
 
 
 def _bed_micrometres(printer: Printer) -> tuple[int, int]:
-    """Return the size of the bed inside its border, plus one gap: the last part in a row needs none. Micrometres."""
+    """Return width and depth of the free bed, um, plus a gap: each cell has one, which the last in a row need not."""
     width, depth = (math.floor(round(1e3 * length, 6)) for length in _free_bed(printer))
     gap = _round_up_micrometres(spacing(printer))
     return width + gap, depth + gap
@@ -234,7 +234,7 @@ def _cell_size(part: Part, printer: Printer) -> tuple[int, int]:
 
 
 def _round_up_micrometres(length: float) -> int:
-    """Round up to micrometres. An excess below a picometre is rounding noise and ignored."""
+    """Convert mm to whole micrometres, rounded up. An excess below a picometre is rounding noise and ignored."""
     return math.ceil(round(1e3 * length, 6))
 
 

@@ -68,7 +68,7 @@ def arrange(
     max_plates: int | None = None,
     max_parts: int = packing.MAX_PARTS,
 ) -> Layout:
-    """Arrange copies of each member on plates. `built` has their solids. Raises PlateError when they do not fit."""
+    """Arrange copies of walkers (`members`, whose solids are `built`) on plates, and check them. Raises PlateError."""
     empty = layout_without_plates(members, built, copies, printer)
     return add_findings(empty._replace(plates=packing.pack(empty.parts, empty.printer, max_plates, max_parts)))
 
@@ -76,7 +76,7 @@ def arrange(
 def layout_without_plates(
     members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer
 ) -> Layout:
-    """Return the layout of members, their solids (`built`) and numbers of copies before packing and checks."""
+    """Return the layout, without plates and findings, of walkers with solids `built` and these numbers of copies."""
     meshes = orient_for_print(members, built)
     supported = [supports.is_needed(design, mesh) for design, mesh in zip(members, meshes, strict=True)]
     rows = zip(members, names.part_names(members), meshes, copies, supported, strict=True)
@@ -88,7 +88,7 @@ def layout_without_plates(
 
 
 def orient_for_print(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
-    """Return the meshes of walkers in printing orientation, in their order."""
+    """Return the meshes of walkers, whose solids are `built`, turned as they lie on the bed, in the same order."""
     return [
         solids.orient_for_print(design, built_solids.walker)
         for design, built_solids in zip(members, built, strict=True)
@@ -96,7 +96,7 @@ def orient_for_print(members: Sequence[Design], built: Sequence[Solids]) -> list
 
 
 def add_findings(layout: Layout) -> Layout:
-    """Run the printability checks on an arrangement, and return it with their findings."""
+    """Run the printability checks on a layout, and return it with their findings."""
     findings = checks.check_batch(layout.members, layout.meshes, layout.parts, layout.plates, layout.printer)
     return layout._replace(findings=findings)
 
@@ -127,7 +127,7 @@ def list_copy_positions(layout: Layout) -> list[CopyPosition]:
 def layout_files(
     layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield names and bytes of a layout's files: first COMMON_FILE_COUNT with descriptions, then plate by plate.
+    """Yield the name and the bytes of each file of a layout: COMMON_FILE_COUNT on all plates, then those of each plate.
 
     STEM_PRINTER.csv is the map and STEM_PRINTER.md the print sheet. STEM_PRINTER.ini holds the settings for
     PrusaSlicer, with printer and filament to load it alone. STEM_PRINTER_print.ini omits these. STEM_PRINTER_orca.json

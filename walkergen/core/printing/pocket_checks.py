@@ -1,4 +1,4 @@
-"""Checks of pockets for motor and battery: whether parts go in, walls, what prints over air."""
+"""Checks of pockets for motor and battery: whether parts fit in, thin walls, ceilings printed over air."""
 
 import math
 from collections.abc import Iterator

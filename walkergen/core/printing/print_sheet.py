@@ -25,7 +25,7 @@ LEGS_UP_TEXT = "upside down, its upper side on the bed, legs up"
 
 
 def describe_orientation(design: Design, is_supported: bool) -> str:
-    """Describe how a walker lies on the bed, and its supports."""
+    """Return words on how a walker lies on the bed, and whether supports are under it."""
     if solids.is_printed_on_side(design):
         return ON_SIDE_TEXT
     return f"{LEGS_UP_TEXT}, {'supports from the bed under the body' if is_supported else 'no supports'}"
@@ -50,7 +50,7 @@ class Load(NamedTuple):
     density: float
     """Density of its material, g/cm^3."""
     sides: float
-    """Area of its sides, which is its layers' outlines times their height, mm^2."""
+    """Area of its sides, mm^2; see `side_area`."""
 
 
 class Estimate(NamedTuple):
@@ -65,7 +65,7 @@ class Estimate(NamedTuple):
 
 
 def side_area(mesh: Mesh) -> float:
-    """Compute the area of a mesh's faces projected on upright planes, mm^2: its layers' outlines times their height."""
+    """Return the area of a mesh's sides, mm^2: the length of all layers' outlines times the height of a layer."""
     first, second, third = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = 0.5 * np.cross(second - first, third - first)
     return float(np.hypot(normals[:, 0], normals[:, 1]).sum())
@@ -183,11 +183,12 @@ def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence
 
 
 def _read_asset(name: str) -> str:
+    """Return the text of the template `name` of the print sheet."""
     return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
 
 
 def manifest_facts(printer: Printer, findings: Sequence[Finding], has_supports: bool) -> dict[str, Any]:
-    """Return facts on a print for the manifest: PrusaSlicer's settings and every finding."""
+    """Return facts on a print for the manifest, by name: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer, has_supports),
         "findings": [finding._asdict() for finding in group_findings(findings)],
@@ -195,7 +196,7 @@ def manifest_facts(printer: Printer, findings: Sequence[Finding], has_supports: 
 
 
 def _insertion_step(batch: Batch) -> str:
-    """Return the print sheet's step to insert motor and battery into pockets, or "" if no walker has them."""
+    """Return the print sheet's step 7, to insert motor and battery into pockets, or "" if no walker has them."""
     carried = dict.fromkeys(name for design in batch.members for name in design.parts)
     if not carried:
         return ""
@@ -206,7 +207,7 @@ def _insertion_step(batch: Batch) -> str:
 
 
 def body_facts(design: Design) -> dict[str, Any]:
-    """Return a body's facts for the manifest: hash of its file, if any, and repairs to it."""
+    """Return facts on a body for the manifest, by name: hash of its file ("" without one), and repairs to its shape."""
     shape = design.shape
     return {"sha256": shape.sha256, "changes": list(shape.changes)}
 
@@ -275,7 +276,7 @@ def _plastic_table(batch: Batch, loads: Sequence[Load]) -> str:
 
 
 def _weights_table(weights: Sequence[Weight]) -> str:
-    """Return a Markdown table of the expected masses of walkers and legs, with a column to fill in."""
+    """Return a Markdown table of the expected masses (g) of walkers and legs, with a blank column for weighed ones."""
     rows = [
         (
             f"`{weight.name}`",

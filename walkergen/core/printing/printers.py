@@ -38,10 +38,10 @@ NUMBER_KEYS = {
 """Keys of a printer, and the names that PrusaSlicer has for them."""
 
 WIDTH_KEYS = ("perimeter_extrusion_width", "extrusion_width")
-"""Its names of the width of a line: mm, a share of the layer's height or of the nozzle, or 0 for its own."""
+"""PrusaSlicer's names of the width of a line: mm, a share of the layer's height or the nozzle, or 0 for automatic."""
 
 DEFAULT_WIDTH_RATIO = 1.125
-"""Width of a line over the nozzle's that it takes where none is given: that of its perimeters."""
+"""Width of a line over that of the nozzle if a profile states none: PrusaSlicer's, for perimeters."""
 
 
 class Printer(Section):
@@ -120,14 +120,14 @@ class Printer(Section):
     @model_validator(mode="before")
     @classmethod
     def _default_line_width(cls, data: Any) -> Any:
-        """Make lines as wide as the nozzle if only the nozzle is given, before the keys are validated."""
+        """Return keys before validation, with lines as wide as the nozzle if only the nozzle is given."""
         if isinstance(data, dict) and "line_width_mm" not in data and isinstance(data.get("nozzle_mm"), (int, float)):
             return {**data, "line_width_mm": float(data["nozzle_mm"])}
         return data
 
     @model_validator(mode="after")
     def _check_line_width(self) -> Self:
-        """Raise InputError for lines that the nozzle does not lay down."""
+        """Raise InputError for lines too narrow or too wide for the nozzle. Return the printer."""
         if not MIN_LINE_RATIO <= self.line_width_mm / self.nozzle_mm <= MAX_LINE_RATIO:
             low, high = MIN_LINE_RATIO * self.nozzle_mm, MAX_LINE_RATIO * self.nozzle_mm
             raise InputError(
@@ -161,7 +161,7 @@ class Printer(Section):
 
 
 def read_profile(path: Path) -> dict[str, Any]:
-    """Return a printer's keys found in a profile. Raises InputError for a profile of another kind."""
+    """Return the keys of a printer that PrusaSlicer's profile (.ini) states. Raises InputError for other profiles."""
     if path.suffix.lower() != ".ini":
         raise InputError(
             f"{path}: a slicer's profile? Give a TOML file (walkergen templates copy prusa-mk3s), or what PrusaSlicer "
@@ -194,7 +194,7 @@ def read_profile(path: Path) -> dict[str, Any]:
 
 
 def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
-    """Return the keys for size and origin of a bed from its corners, such as 0x0,250x0,250x210,0x210."""
+    """Return the keys for size and origin of a bed from its corners in mm, such as 0x0,250x0,250x210,0x210."""
     corners = [re.split("x", corner) for corner in shape.split(",")]
     numbers = [(_parse_number(corner[0]), _parse_number(corner[-1])) for corner in corners]
     points = [(x, y) for x, y in numbers if x is not None and y is not None]
@@ -209,7 +209,7 @@ def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
 
 
 def _line_width(values: dict[str, str], nozzle: float) -> float:
-    """Return the width of a printed line, mm, from a profile's values, or DEFAULT_WIDTH_RATIO nozzles without one."""
+    """Return the width of a line, mm, that a profile states, or DEFAULT_WIDTH_RATIO times `nozzle` (mm) without one."""
     for name in WIDTH_KEYS:
         text = values.get(name, "")
         number = _parse_number(text.removesuffix("%"))

@@ -1,4 +1,4 @@
-"""Slicer: the settings that the predicted masses assume, for slicers and as text.
+"""Settings of slicers that the predicted masses assume, as files for slicers and as lines of the print sheet.
 
 Print settings alone leave a user's profiles of printer (bed, nozzle, start code) and filament (temperatures,
 density, flow) unchanged. A user without profiles loads the bundle alone. It takes bed and nozzle from the printer, and
@@ -44,9 +44,9 @@ class Setting(NamedTuple):
 
 
 def sheet_settings(printer: Printer, orientations: Sequence[Setting], supported: Sequence[str]) -> list[Setting]:
-    """List the print sheet's settings for any slicer, and why the prediction depends on each.
+    """Return the print sheet's settings for any slicer, and why the prediction depends on each.
 
-    `orientations` are its settings that state how parts lie. `supported` are the names of parts that need supports.
+    `orientations` are the settings on how parts lie. `supported` has the names of parts that need supports.
     """
     thin = (
         ""
@@ -88,7 +88,7 @@ def preset_name(printer: Printer) -> str:
 
 
 def prusaslicer_settings(printer: Printer, has_supports: bool = False) -> dict[str, str]:
-    """Return print settings by PrusaSlicer's keys. Its other print settings keep their defaults."""
+    """Return values of print settings by PrusaSlicer's keys. Settings without a key here keep their defaults."""
     return {
         "layer_height": f"{printer.layer_height_mm:g}",
         "first_layer_height": f"{printer.layer_height_mm:g}",
@@ -120,7 +120,7 @@ def prusaslicer_settings(printer: Printer, has_supports: bool = False) -> dict[s
 
 
 def printer_and_filament_settings(printer: Printer, material: Material) -> dict[str, str]:
-    """Return settings of printer and filament by PrusaSlicer's keys, for users without a profile.
+    """Return values of printer and filament settings by PrusaSlicer's keys, for users without profiles of them.
 
     PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3. Its end code leaves the bed
     hot. Start code, speeds and retraction keep its defaults.
@@ -143,7 +143,7 @@ def printer_and_filament_settings(printer: Printer, material: Material) -> dict[
 
 
 def prusaslicer_bundle(printer: Printer, material: Material, has_supports: bool = False) -> bytes:
-    """Return a config bundle of PrusaSlicer, which --load reads as well.
+    """Return the bytes of a config bundle of PrusaSlicer, which its option --load reads too.
 
     The import of a bundle adds its section as a print preset. It inherits nothing, since presets whose parent a user
     lacks are dropped. The selected printer and filament stay. --load reads only the lines above the section, and needs
@@ -165,7 +165,7 @@ def prusaslicer_bundle(printer: Printer, material: Material, has_supports: bool 
 
 
 def prusaslicer_print(printer: Printer, has_supports: bool = False) -> bytes:
-    """Return the file of print settings alone, which --load adds to a printer and filament that it read before."""
+    """Return the bytes of an .ini file with print settings only, to --load after profiles of printer and filament."""
     lines = [
         f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
         "# With --load after your own printer and filament, which they leave alone.",
@@ -175,7 +175,7 @@ def prusaslicer_print(printer: Printer, has_supports: bool = False) -> bytes:
 
 
 def orca_settings(printer: Printer, has_supports: bool = False) -> dict[str, str]:
-    """Return print settings by the keys of OrcaSlicer and Bambu Studio. Others keep their defaults.
+    """Return values of print settings by the keys of OrcaSlicer and Bambu Studio. Other settings keep their defaults.
 
     Each program ignores keys of the other: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
     `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is
@@ -216,7 +216,7 @@ def orca_settings(printer: Printer, has_supports: bool = False) -> dict[str, str
 
 
 def orca_json(printer: Printer, has_supports: bool = False) -> bytes:
-    """Return print settings as a user's process preset of OrcaSlicer and Bambu Studio.
+    """Return the bytes of a JSON file with print settings, a "process preset" of OrcaSlicer and Bambu Studio.
 
     The preset inherits nothing and so fits every printer: the import silently drops a preset whose
     parent is not installed. Both programs identify a process by `print_settings_id`. Bambu Studio

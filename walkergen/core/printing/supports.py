@@ -1,4 +1,4 @@
-"""Supports and brim of a walker: whether it needs them as it lies on the bed, decided once for all files."""
+"""Supports and brim: whether a walker needs them, from its overhangs and its contact with the bed."""
 
 import math
 from collections.abc import Sequence
@@ -28,14 +28,14 @@ BRIM_MM = 5.0
 
 
 def is_needed(design: Design, mesh: Mesh) -> bool:
-    """Return whether a walker prints with supports from the bed. Its `mesh` is in printing orientation."""
+    """Return whether a walker must print with supports from the bed. Its `mesh` is in printing orientation."""
     return not solids.is_printed_on_side(design) and overhang_area(design, mesh) > MIN_OVERHANG_MM2
 
 
 def add_brim(printer: Printer, meshes: Sequence[Mesh], supported: Sequence[bool]) -> Printer:
-    """Return the printer with a brim if a walker that prints with supports has little contact with the bed.
+    """Return the printer, with a brim added if a walker that prints with supports has little contact with the bed.
 
-    Such a walker lies upside down, so that the brim does not touch its legs. A brim of the printer is kept.
+    Such a walker lies upside down, so that the brim does not touch its legs. A printer that has a brim is unchanged.
     """
     if printer.brim_width_mm == 0.0 and any(
         is_supported and contact_area(mesh, printer) < MIN_CONTACT_MM2
@@ -46,15 +46,12 @@ def add_brim(printer: Printer, meshes: Sequence[Mesh], supported: Sequence[bool]
 
 
 def contact_area(mesh: Mesh, printer: Printer) -> float:
-    """Return the area of the first layer of a part that lies on the bed, mm^2."""
+    """Return the area of a part's first layer, by which it holds on to the bed, mm^2."""
     return section_area(mesh, 0.5 * printer.layer_height_mm)
 
 
 def section_area(mesh: Mesh, height: float) -> float:
-    """Return the area of a closed mesh's section at a height above its lowest point, mm^2.
-
-    At half a layer's height it is the first layer.
-    """
+    """Return the area of a closed mesh's section at a height (mm) above its lowest point, mm^2."""
     return float(modeller.to_solid(mesh).slice(mesh.vertices[:, 2].min() + height).area())
 
 

@@ -23,7 +23,7 @@ is called less certain than that. Assumed, from the spread of printed bars pulle
 
 
 def check_part(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
-    """Yield the findings on one walker whose `mesh` lies upside down on the bed, z = 0."""
+    """Yield the findings on legs and overhangs of one walker whose `mesh` lies upside down on the bed, z = 0."""
     yield from _check_tilt(design)
     yield from _check_layer_steps(design, printer)
     yield from _check_modulus_spread(design)

@@ -67,7 +67,7 @@ class Wall(NamedTuple):
     thickness: float
     """Thickness across the wall, mm."""
     slant: float
-    """Cosine of its angle from the vertical: in a layer it is thicker by its inverse."""
+    """Cosine of its angle from the vertical: within a layer its thickness is divided by this."""
     height: float
     """Largest printing height, mm."""
     part: About = About.LEGS
@@ -81,7 +81,7 @@ class Wall(NamedTuple):
 
 
 def upright_walls(design: Design) -> list[Wall]:
-    """Return the upright walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
+    """Return a design's walls that print upright: distinct legs and braces, and a body that prints on its side."""
     on_side = solids.is_printed_on_side(design)
     key = f"legs.{design.kind}_thickness_mm" if design.has_legs_table else ""
     legs = [Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, on_side))]
@@ -97,9 +97,9 @@ def upright_walls(design: Design) -> list[Wall]:
 
 
 def group_legs(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
-    """Group a design's legs by a key, and return each distinct key with the name of its legs.
+    """Group a design's legs by the function `key`, and return each distinct result with the name of its legs.
 
-    The name is "leg" if all legs share the key, otherwise it lists numbers from 1, as "legs[1], legs[3]".
+    The name is "leg" if all legs share the result, otherwise it lists numbers from 1, as "legs[1], legs[3]".
     """
     sharing: dict[Key, list[str]] = {}
     for number, limb in enumerate(design.limbs, start=1):
@@ -113,7 +113,7 @@ def with_article(name: str) -> str:
 
 
 def _leg_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float]:
-    """Return the thickness (mm), slant (cosine from the vertical) and printing height (mm) of a leg as a wall."""
+    """Return thickness (mm), slant (see Wall) and height (mm) of a leg printed as a wall, on its side or upright."""
     if on_side:
         return limb.thickness, 1.0, limb.width
     slant, height = math.cos(limb.tilt), -limb.anchor_to_foot[1]
@@ -123,7 +123,7 @@ def _leg_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float]:
 
 
 def _brace_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float] | None:
-    """Return thickness (mm), slant (1) and printing height (mm) of a leg's brace as a wall, or None without a brace."""
+    """Return thickness (mm), slant (1) and height (mm) of a leg's brace printed as a wall, or None without a brace."""
     for strut in section_of(limb).struts(limb):
         if on_side:
             return strut.thickness, 1.0, limb.width
@@ -132,7 +132,7 @@ def _brace_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float] | None
 
 
 def printed_thickness(thickness: float, printer: Printer) -> float:
-    """Return the plastic in a wall as the thickness of a solid wall, mm, or 0 for a wall without plastic.
+    """Return the thickness, mm, of a solid wall with the plastic that a slicer lays into a wall; 0 if it lays none.
 
     Within 1 % of the measured G-code up to four lines, except near the thicknesses that add a line;
     thicker walls are filled by infill and assumed to be as drawn, which holds within 3.5 %.
@@ -148,7 +148,7 @@ def printed_thickness(thickness: float, printer: Printer) -> float:
 
 
 def plastic_deviation(thickness: float, printer: Printer) -> float:
-    """Return the relative deviation of a wall's expected plastic from its thickness, mm: -1 if it vanishes."""
+    """Return the excess of plastic in a wall of this thickness (mm), as a share of the drawn: -1 if it gets none."""
     return printed_thickness(thickness, printer) / thickness - 1.0
 
 
@@ -174,12 +174,12 @@ def vanishing_thickness(printer: Printer) -> float:
 
 
 def line_rounding(printer: Printer) -> float:
-    """Return the difference in width between a rectangle and a line with round sides of equal area, mm."""
+    """Return the excess width, mm, of a printed line, whose sides are round, over a rectangle of equal area."""
     return (1.0 - 0.25 * math.pi) * printer.layer_height_mm
 
 
 def _classic_thickness(thickness: float, printer: Printer) -> float:
-    """Return the plastic of a classic wall as a thickness, mm: pairs of equal lines from outside, and a filled gap."""
+    """Return `printed_thickness`, mm, of classic walls: pairs of equal lines from outside, and a filled gap between."""
     if thickness <= vanishing_thickness(printer):
         return 0.0
     width, rounding = printer.line_width_mm, line_rounding(printer)
