@@ -108,7 +108,7 @@ class Body(Section):
         return self
 
     def _derived_keys(self, source: str) -> set[str]:
-        """Return the size keys that a source key such as "outline" determines, so that users must not set them."""
+        """Return the keys of the size that follow from the key `source`, such as "outline". Users must not set them."""
         flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
         return {
             "profile_mm": {"length_mm", "thickness_mm"},
@@ -153,7 +153,7 @@ class Body(Section):
         return self.is_flat_or_mesh and self.outline != "polygon" and self.legs_below_mm is None
 
     def with_keys(self, **keys: Any) -> "Body":
-        """Return the body with other values of the given keys. A given length_mm replaces scale_mm and depth_mm."""
+        """Return a validated copy of the body with `keys` set. A length_mm replaces scale_mm and depth_mm."""
         table = self.model_dump(exclude_unset=True) | keys
         for key in {"scale_mm", "depth_mm"} if "length_mm" in keys else ():
             table.pop(key, None)
@@ -252,7 +252,7 @@ class Shape(NamedTuple):
 
 
 def lay_down(plan: Mesh, size: Size) -> Mesh:
-    """Rotate the mesh of an extruded plan view to the design's frame: y on the page becomes -z, the extrusion y."""
+    """Return the mesh of an extruded plan view, turned to the design's frame: its y becomes -z, and its z becomes y."""
     x, v, w = plan.vertices.T
     return Mesh(np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v]), plan.triangles)
 

@@ -23,7 +23,7 @@ from walkergen.core.walker.limbs import Kind, Legs, Limb
 from walkergen.core.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, merge_walker_table
 
 SHORT_KEYS = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
-"""Keys, by the words of commands for them."""
+"""Keys of a walker's file, by their short names in commands."""
 
 
 MESH_TOLERANCE_MM = 1e-4
@@ -62,7 +62,7 @@ class Design(WalkerSpec):
     @model_validator(mode="before")
     @classmethod
     def _level_stance(cls, data: Any) -> Any:
-        """Return a walker's data before validation, with the legs of its mesh, or turned if stance is "as built"."""
+        """Return the data to validate: with the legs of a mesh if it has any, turned if the stance is "as built"."""
         if not isinstance(data, Mapping):
             return data
         data = merge_walker_table(data)
@@ -190,7 +190,7 @@ class Design(WalkerSpec):
         image = second._replace(along=0.0 - second.along)
         has_own_contact = first.friction is not None or first.restitution is not None
         if self.is_complete_mesh:  # in 32-bit floats
-            numbers = [tuple(each for each in limb if isinstance(each, float)) for limb in (first, image)]
+            numbers = [tuple(value for value in limb if isinstance(value, float)) for limb in (first, image)]
             return math.dist(*numbers) + abs(first.across) <= MESH_TOLERANCE_MM
         return first == image and first.across == 0.0 and not has_own_contact
 

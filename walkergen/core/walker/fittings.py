@@ -1,4 +1,4 @@
-"""Keys of the fittings of a walker: its marks, its cap, its motor and battery in pockets.
+"""Keys of the fittings of a walker: its marks, its cap, its motor, its battery and their pockets.
 
 `marks`, `caps` and `pockets` build them. Motor and battery are cylinders with a position in the design's frame: along
 and across from the middle of the body, up from its middle height. Their pockets are larger by a clearance.
@@ -284,7 +284,7 @@ def find_fit_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, f
 
 
 def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_height: float) -> Iterator[str]:
-    """Yield the reasons why one part does not fit into the body's box, as texts that begin with a key of the part."""
+    """Yield the faults of a part that does not fit into the body's box. Messages begin with a key of the part."""
     cylinder = part.cylinder
     for axis, key in enumerate(POSITION_KEYS):
         value, half = cylinder.centre[axis], cylinder.half[axis] + clearance

@@ -195,7 +195,7 @@ def resolve_leg(leg: Leg, default_tilt_deg: float, depth: float, bottom: float) 
 
 
 def _make_limb(keys: Legs | Leg, tilt_deg: float, thickness: float, along: float, depth: float, bottom: float) -> Limb:
-    """Return a leg with its foot at `along`, in the middle of a body `depth` deep, with its underside at `bottom`."""
+    """Return a leg with its foot `along` mm from the body's middle. The other arguments are as in `resolve_leg`."""
     return Limb(
         kind=keys.kind,
         tilt=math.radians(tilt_deg),

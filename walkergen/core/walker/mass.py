@@ -1,4 +1,4 @@
-"""Mass properties: from closed triangle meshes to M, J, m, j and the walker's vectors.
+"""Mass properties of walkers: masses, moments of inertia and vectors (M, J, m, j ...) from closed triangle meshes.
 
 A mesh is weighed by the divergence theorem about a local origin (the middle of its bounding box),
 so that a part far from the coordinates' origin loses no digits to it. Frame: x along the run,
@@ -40,17 +40,17 @@ class SolidMass(NamedTuple):
         return float(self.tensor[2, 2])
 
     def scale_density(self, factor: float) -> "SolidMass":
-        """Return the same shape, `factor` times as dense."""
+        """Return the mass properties of the same solid with its density multiplied by `factor`."""
         return self._replace(mass=factor * self.mass, tensor=factor * self.tensor)
 
 
 class Spatial(NamedTuple):
-    """Mass properties of the third dimension, for 3D simulations."""
+    """Further mass properties of a walker's body, which only 3D simulations need."""
 
     z: float
     """Position of O across the run, from the middle of the walker's depth, mm."""
     body: Array
-    """Inertia tensor about O of all parts of M, shape (3, 3), g mm^2."""
+    """Inertia tensor of the body, with legs fixed to it, about O, shape (3, 3), g mm^2."""
 
 
 class LegMass(NamedTuple):
@@ -140,7 +140,7 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
 
 
 def combine_solids(solids: Sequence[SolidMass]) -> SolidMass:
-    """Combine the mass properties of several solids to one rigid body, by Steiner's theorem."""
+    """Return the mass properties of several solids joined to one rigid body, by Steiner's theorem."""
     masses = np.array([solid.mass for solid in solids])
     centres = np.array([solid.centre for solid in solids])
     centre = masses @ centres / masses.sum()

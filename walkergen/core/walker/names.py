@@ -1,4 +1,4 @@
-"""Names of parts, and the legend of their marks within a family and among designs."""
+"""Names of printed walkers, and the legend that identifies them by their marks."""
 
 import re
 from collections.abc import Sequence
@@ -48,13 +48,13 @@ def leg_names(design: Design) -> tuple[str, ...]:
 
 
 def part_names(members: Sequence[Design]) -> list[str]:
-    """Return names of walkers that are printed together. With several designs they begin with the design's name."""
+    """Return the names of walkers printed together. They begin with the design's name if there are several designs."""
     several = len(group_by_design(members)) > 1
     return [part_name(design, design.name if several else DEFAULT_STEM) for design in members]
 
 
 def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
-    """Return lists of the walkers, by the names of their designs and in their order."""
+    """Group walkers by the names of their designs. Walkers keep their order."""
     groups: dict[str, list[Design]] = {}
     for design in members:
         groups.setdefault(design.name, []).append(design)
@@ -68,7 +68,7 @@ def design_letters(members: Sequence[Design]) -> dict[str, str]:
 
 
 def legend(members: Sequence[Design]) -> str:
-    """Return Markdown that identifies printed parts: letters of several designs, marks of each tilt."""
+    """Return Markdown tables that identify printed walkers: the letter of each design, and the mark of each tilt."""
     letters = design_letters(members)
     if not letters:
         return _mark_legend(members)

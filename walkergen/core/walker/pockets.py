@@ -1,4 +1,4 @@
-"""Pockets cut into a walker's body: for its motor, its battery and the wires between them.
+"""Cutting pockets into a walker's body: for its motor, its battery and the wires between them.
 
 A pocket is all the space that a part sweeps, with its clearance, while it is inserted from the
 pocket's open side. The floor on the opposite side must be solid everywhere, for any body shape.
@@ -29,10 +29,10 @@ OPENING_DIRECTIONS = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (
 
 
 def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
-    """Cut the pockets for a design's motor and battery into the meshes of walker and body, and return both.
+    """Return the meshes of walker and body with the pockets for the design's motor and battery cut into them.
 
-    `roots` are the legs with their ends inside the body. Raises GeometryError, beginning
-    with the key, for parts that overlap each other or a leg, or have no floor.
+    `roots` are the legs with their ends inside the body. Raises GeometryError, whose message begins with the key, for
+    parts that overlap each other or a leg, or have no floor.
     """
     solid, legs = modeller.to_solid(body), [modeller.to_solid(root) for root in roots]
     pocket_solids = _pocket_solids(design)
@@ -71,7 +71,7 @@ def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
 
 
 def without_pockets(design: Design) -> Design:
-    """Return the design of the same walker without parts and pockets."""
+    """Return the design without its motor, battery and pockets."""
     empty = {"motor": None, "battery": None, "pockets": None}
     return design.model_copy(update=empty)
 
@@ -165,7 +165,7 @@ def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Ar
 
 
 def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
-    """Return the space that a part and its clearance fill, and pass through while the part is inserted."""
+    """Return a part's pocket: all space that the part and its clearance fill, or pass while the part is inserted."""
     points = _cylinder_points(part.cylinder, design, design.pocket_settings.clearance_mm)
     return _convex_hull(
         np.concatenate([points, points + _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[part.opens])])
@@ -173,7 +173,7 @@ def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
 
 
 def _exit_distance(points: Array, design: Design) -> float:
-    """Return a distance, mm, that moves points, shape (n, 3), out of the body in any direction."""
+    """Return a distance, mm, by which points in or near the body, shape (n, 3), leave it in any direction."""
     return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
 
 

@@ -1,4 +1,4 @@
-"""Resolve the keys of a walker: the shape of its body, the positions of its legs, and the faults of both.
+"""Shape of the body and positions of the legs that a walker's keys define, and the faults of both.
 
 Drawings and meshes are read, and legs are placed, by `walkergen.readers`. The readers are above the core and import
 it. They are loaded when a design first needs one of them; a plain rectangle needs none.
@@ -67,7 +67,7 @@ def shape_of(body: Body) -> Shape:
 
 
 def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
-    """Return the legs with all their numbers, in the order of the file. Two equal legs are listed back, front.
+    """Return a walker's legs, resolved to numbers, in the order of the file. Two equal legs are listed back, front.
 
     Raises GeometryError for a leg that does not meet the body.
     """
@@ -131,7 +131,7 @@ def check_buildable(spec: WalkerSpec) -> None:
 
 
 def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
-    """Suggest automatic placement if two equal legs fit only with it."""
+    """Return the remedy to place two equal legs automatically if they then fit, otherwise []."""
     if not isinstance(spec.legs, Legs) or spec.has_automatic_legs or spec.is_complete_mesh:
         return []
     legs = spec.legs.model_copy(update={"placement": "auto"})
@@ -143,7 +143,7 @@ def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
 
 
 def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
-    """Return the reasons why the marks of a walker do not fit its body, one line each. The walker must have marks.
+    """Return messages on the faults of a walker's marks, which it must have, and their fit on its body.
 
     Letters on a body in plan view are checked on its upper side.
     """
@@ -161,7 +161,7 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
 
 
 def _pair_faults(legs: Legs, size: Size) -> list[str]:
-    """Return the problems of two equal legs, one line each, with the largest possible tilt if there is one."""
+    """Return messages on the faults of two equal legs, with the largest possible tilt if there is one."""
     problems = []
     for key, text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
@@ -172,7 +172,7 @@ def _pair_faults(legs: Legs, size: Size) -> list[str]:
 
 
 def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
-    """Return the problems of a list of legs: of each leg, of crossing pairs, and of stability."""
+    """Return messages on the faults of a list of legs: of each leg, or else of crossing, height and stability."""
     problems = []
     for number, limb in enumerate(limbs, start=1):
         texts = [*_length_faults(limb), *_end_faults(limb, size.length), *_side_faults(limb, size.depth)]
@@ -182,7 +182,7 @@ def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
 
 
 def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[tuple[str, str]]:
-    """Return the problems of two equal legs at this tilt (deg), each with the key of [legs] to change."""
+    """Return (key, message) for each fault of two equal legs at this tilt (deg). The key of [legs] is to be changed."""
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = resolve_pair(trial, depth, -0.5 * thickness)
@@ -255,24 +255,24 @@ def _strut_faults(limbs: Sequence[Limb], body_length: float) -> list[str]:
 
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
-    """Find the largest tilt (deg, same sign) without any problem, by bisection, or return None if tilt 0 has one."""
+    """Return the largest tilt (deg, sign as set) at which two equal legs have no fault; None if they have at 0 deg."""
     if _pair_faults_at(legs, size, 0.0):
         return None
     good, bad = 0.0, legs.tilt_deg
-    for _ in range(40):
+    for _ in range(40):  # to far below 0.01 deg, to which the result is rounded
         middle = 0.5 * (good + bad)
         good, bad = (good, middle) if _pair_faults_at(legs, size, middle) else (middle, bad)
     return math.copysign(math.floor(abs(good) * 100) / 100, good)
 
 
 def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Return problems of pairs of legs that overlap."""
+    """Return a message on each pair of legs that overlap."""
     import shapely
 
     problems = []
     sections = [
         shapely.union_all(
-            [shapely.Polygon(piece + np.array(limb.anchor)) for piece in section_of(limb).profile(limb, 16)]
+            [shapely.Polygon(piece + np.array(limb.anchor)) for piece in section_of(limb).profile(limb, segments=16)]
         )
         for limb in limbs
     ]
@@ -290,7 +290,7 @@ def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _height_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Return the problems of feet that do not reach the plate if the body is level."""
+    """Return a message on each leg whose foot does not reach the plate if the body is level."""
     lowest = min(limb.foot_height for limb in limbs)
     problems = []
     for number, limb in enumerate(limbs, start=1):
@@ -317,7 +317,7 @@ def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _outline_faults(limbs: Sequence[Limb], shape: Shape) -> list[str]:
-    """Return problems of legs that are partly outside an outline seen from above."""
+    """Return a message on each leg whose top is partly outside the outline of a body in plan view."""
     import shapely
 
     outer, *holes = shape.plan

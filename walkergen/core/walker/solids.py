@@ -1,4 +1,4 @@
-"""Solids: from a design to closed meshes, by 2D profiles and one extrusion in manifold3d.
+"""Solids of walkers: closed meshes of a design, built by extruding 2D profiles in manifold3d.
 
 The profile lies in the x-y plane and is extruded along z by the body's depth, which is also how
 the part is printed: lying on its side. Notches belong to the profile; digits are engraved into the
@@ -65,7 +65,7 @@ class SideView(NamedTuple):
 
 
 def _concatenate_meshes(meshes: Sequence[Mesh]) -> Mesh:
-    """Concatenate meshes without uniting them."""
+    """Return one mesh with all vertices and triangles of several meshes, which may overlap."""
     starts = itertools.accumulate([0, *(len(mesh.vertices) for mesh in meshes)])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
     return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(triangles))
@@ -115,7 +115,7 @@ def _build_cap(design: Design, body: Mesh) -> Mesh | None:
 
 
 def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
-    """Cut the pockets for a design's motor and battery into its solids, and check that they leave the marks whole.
+    """Return a walker's solids with the pockets for its motor and battery cut into them. The marks must stay whole.
 
     `foot_segments`: edges of a round foot's half circle. Raises GeometryError.
     """
@@ -164,21 +164,21 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 
 
 def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
-    """Return the solids of a mesh that was a finished walker, each leg shifted so that its anchor is the origin.
+    """Return the solids of a user's mesh of a whole walker, each leg shifted so that its anchor is the origin.
 
-    A leg that is thicker than in the mesh is widened about the line from its anchor to its foot.
+    A leg that the design makes thicker than in the mesh is widened about the line from its anchor to its foot.
     """
     depth, legs = design.size.depth, []
     measured = finished.limbs(design.kind, depth)
-    for limb, like, leg in zip(design.limbs, measured, finished.legs, strict=True):
+    for limb, in_mesh, leg in zip(design.limbs, measured, finished.legs, strict=True):
         x, y, z = leg.shift(-_anchor_corner(limb, depth)).vertices.T
-        x = x + (limb.thickness / like.thickness - 1.0) * (x - y * math.tan(limb.tilt))
+        x = x + (limb.thickness / in_mesh.thickness - 1.0) * (x - y * math.tan(limb.tilt))
         legs.append(leg._replace(vertices=np.column_stack([x, y, z])))
     return Solids(finished.mesh, finished.body, tuple(legs))
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker whose body is no rectangle in side view, without pockets and cap.
+    """Build the solids of a walker with a body of any shape, without pockets and cap.
 
     `foot_segments` and `united` are those of `_build_plain_solids`.
     """
@@ -201,7 +201,7 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
 def _build_flush_legs(
     limbs: Sequence[Limb], bars: Sequence[Mesh], body: "joining.Body", depth: float
 ) -> tuple[Mesh, ...]:
-    """Cut legs where they enter a body whose underside is not flat, and return the parts outside it.
+    """Return the parts of legs outside a body whose underside is not flat, cut where they enter it.
 
     `bars` are meshes of the legs that reach into the body, which is `depth` mm deep. Each result has its anchor at the
     origin. Raises GeometryError.
@@ -219,16 +219,16 @@ def _build_flush_legs(
 
 
 class _Section(NamedTuple):
-    """Profiles of a leg, and of its brace if it has one, with the anchor at the origin."""
+    """Side views of a leg, and of its brace if it has one, shape (n, 2), mm, with the anchor at the origin."""
 
     below: Sequence[Polygon]
-    """Outside the body."""
+    """Their parts below the underside of the body."""
     raised: tuple[Polygon, ...]
-    """Reaching into the body."""
+    """The same, extended upward into the body."""
 
 
 def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
-    """Return the profiles of legs, round feet with `foot_segments` edges. Legs of one shape share the same object."""
+    """Return the side views of legs; round feet have `foot_segments` edges. Legs of equal shape share one object."""
     by_shape: dict[Limb, _Section] = {}
     sections = []
     for limb in limbs:
@@ -277,7 +277,7 @@ def _left_side(limb: Limb, depth: float) -> float:
 
 
 def is_printed_on_side(design: Design) -> bool:
-    """Return whether a walker prints lying on its side: a prism whose legs all begin at that side.
+    """Return whether a walker prints lying on its side: a prism in side view, all legs of which reach that side.
 
     All others print upside down with their legs up: legs narrower than the body would hang over the bed.
     """
@@ -288,7 +288,7 @@ def is_printed_on_side(design: Design) -> bool:
 
 
 def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
-    """Orient a mesh for printing, z up from 0: on its side, or upside down with its legs up.
+    """Return a walker's mesh turned as it prints, z up from 0: on its side, or upside down with its legs up.
 
     Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is flat.
     """
@@ -408,7 +408,7 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
 
 
 def has_window(limb: Limb) -> bool:
-    """Return whether there is a gap between a braced leg and its brace. At small tilts there is none."""
+    """Return whether a leg has a brace and a gap is between both. At small tilts there is none."""
     return window_width(limb) > MIN_WINDOW_RATIO * limb.length
 
 

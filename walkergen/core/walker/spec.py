@@ -123,7 +123,7 @@ class WalkerSpec(Section):
     @field_validator("leg_tilt_deg")
     @classmethod
     def _check_leg_tilt(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """Reject a tilt for a list of legs if there are two equal legs."""
+        """Return `leg_tilt_deg`, which is for a list of legs. Raises ValueError if it is set for two equal legs."""
         if value is not None and isinstance(info.data.get("legs"), Legs):
             raise ValueError("applies only to a list of legs, [[legs]]. Two equal legs have legs.tilt_deg instead.")
         return value
@@ -131,7 +131,7 @@ class WalkerSpec(Section):
     @model_validator(mode="before")
     @classmethod
     def _merge_walker(cls, data: Any) -> Any:
-        """Replace the table [walker] of a finished walker by [body] and [legs], before the keys are validated."""
+        """Return a file's tables before validation, with [body] and [legs] in place of a finished walker's [walker]."""
         return merge_walker_table(data) if isinstance(data, Mapping) else data
 
     @classmethod
@@ -210,7 +210,7 @@ class WalkerSpec(Section):
         return data
 
     def _without_positions(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
-        """Return the data of the legs for a new shape of the body, without positions that are not in `values`.
+        """Return the keys of `legs` for a new shape of the body, without positions that are not set in `values`.
 
         A list of legs becomes the table of two equal legs, unless `keep_list`.
         """
@@ -227,7 +227,7 @@ class WalkerSpec(Section):
         return legs if keep_list else pair | {f"{self.kind}_thickness_mm": thickness}
 
     def with_paths_relative_to(self, folder: Path) -> Self:
-        """Return the walker with paths of the body's files relative to a folder."""
+        """Return a copy of the walker in which paths of the body's files are relative to a folder."""
         files = {key: getattr(self.body, key) for key in FILE_KEYS}
         paths = {
             key: Path(os.path.relpath(name, folder)).as_posix()
@@ -314,7 +314,7 @@ class WalkerSpec(Section):
 
 
 def name_from_text(text: str) -> str:
-    """Return a name that is valid in file names, from a text in any script."""
+    """Convert a text in any script to a name in ASCII letters, digits, - and _, of at most 64 letters."""
     plain = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode()
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
     return name or f"walker-{hashlib.sha256(text.encode(errors='surrogatepass')).hexdigest()[:6]}"

@@ -57,12 +57,12 @@ class Weighings(NamedTuple):
 
 
 def to_dict(mean: Quantity) -> dict[str, float | None]:
-    """Return a mean mass (g), its standard error and the number of weighings, for a manifest."""
+    """Return a mean mass (g), its standard error (g; None for one weighing) and the number of weighings, by name."""
     return {"mean": mean.value, "error": mean.se, "weighings": int(mean.freedom) + 1}
 
 
 def form_name(members: Sequence[Design], name: str) -> str:
-    """Return the file name of the form in which a user enters the masses of walkers of the design `name`.
+    """Return the name of the CSV file (form) in which a user enters weighed masses of walkers of the design `name`.
 
     It is FILE_NAME for a single design. Several designs have a form each, since `read_masses` reads those of one.
     """
@@ -70,7 +70,7 @@ def form_name(members: Sequence[Design], name: str) -> str:
 
 
 def carried_rows(design: Design) -> tuple[str, ...]:
-    """Return the names of a form's rows for motor, battery, wires and glue; none for a walker without such parts."""
+    """Return the names of rows for motor, battery, wires and glue in a walker's form; () if it has no such parts."""
     return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 
@@ -80,13 +80,13 @@ def format_form(parts: Iterable[str]) -> str:
 
 
 def is_filled_in(path: Path) -> bool:
-    """Return whether a file is anything but a blank form of walkers; False without a file. Raises InputError."""
+    """Return whether a file exists that is no blank form of walkers, but has data of a user. Raises InputError."""
     parts = _read_blank_form(path)
     return parts is None or not all(names.is_part_name(part) or part in CARRIED_ROWS for part in parts)
 
 
 def _read_blank_form(path: Path) -> list[str] | None:
-    """Return the parts in a blank form, [] without a file, or None if the file is no blank form. Raises InputError."""
+    """Return the names of parts in a blank form, [] without a file, None for a form with data. Raises InputError."""
     if not os.path.lexists(path):
         return []
     data = file_reading.read_bytes(path, MAX_BYTES)
@@ -275,7 +275,7 @@ def _match_row(
     members: Sequence[Design],
     present: Set[str | None],
 ) -> str | None:
-    """Return the part that a row of the file names, or None for a walker that is not a member.
+    """Return the name of the part that a row of a form is about, or None for a walker that is not a member.
 
     `values` has masses, g, by column. `parts` has part names by the names in files. Parts in `present` are not
     suggested. Raises InputError.
@@ -312,25 +312,25 @@ def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
 
 
 def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
-    """Return the part that a file calls `name`, which may be that of a copy (NAME-3), or None if there is none."""
+    """Return the part name of a walker that a file calls `name`, also with a copy's number (NAME-3), else None."""
     return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
 
 
-def _tilt_deg(name: str) -> float | None:
-    """Return the tilt in the name of a part, deg."""
+def _tilt_from_name(name: str) -> float | None:
+    """Return the tilt (deg) in the name of a walker, such as 5 for walker_t05.0_flexible_s0.40; None without one."""
     match = PART_NAME_PATTERN.match(name)
     return formatting.parse_number(match["tilt"]) if match else None
 
 
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
-    """Return the part that a file calls `name`, or None for another walker of the members' designs.
+    """Return the part name of a walker that a file calls `name`; None for another walker of the members' designs.
 
     `parts` has part names by the names in files. Raises InputError, and suggests no part in `present`.
     """
     if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
         return part
     listed = list(dict.fromkeys(parts.values()))
-    alike = [part_name for part_name in listed if _tilt_deg(part_name) == _tilt_deg(name)]
+    alike = [part_name for part_name in listed if _tilt_from_name(part_name) == _tilt_from_name(name)]
     close = difflib.get_close_matches(name, alike, n=3, cutoff=0.6)
     near = [part_name for part_name in close if part_name not in present]
     hint = f" Did you mean {', '.join(near)}?" if near else f" Selected parts: {', '.join(listed[:3])} ..."
@@ -341,7 +341,7 @@ def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], 
 
 
 def _is_other_member(name: str, members: Sequence[Design]) -> bool:
-    """Return whether a member's design gives this name to its walker of another tilt or kind."""
+    """Return whether this is the name of a walker of another tilt or kind of a member's design."""
     match = PART_NAME_PATTERN.fullmatch(name)
     if match is None:
         return False
@@ -365,7 +365,7 @@ def _mean_mass(values: Sequence[float]) -> Quantity:
 
 
 def write_form(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
-    """Write a blank form, folder/NAME, and return its path, or None if a user has changed the form.
+    """Write a blank form for weighed masses, folder/NAME, and return its path; None if a user has changed the form.
 
     A form of the same parts in another order stays unchanged: a user may have sorted it. Raises InputError and
     OutputError.

@@ -1,4 +1,4 @@
-"""Cross-sections of legs, one file for each kind, and the gaps between legs and braces."""
+"""Cross-sections of legs, a module for each kind of leg, and the gaps between legs and braces."""
 
 import itertools
 import math
@@ -10,9 +10,10 @@ from walkergen.core.walker.sections import braced, flexible
 
 
 class CrossSection(Protocol):
-    """Cross-section of a kind of legs: a module of `walkergen.core.walker.sections`, as flexible.py.
+    """Shape and stiffness of a kind of legs: the functions of a module in `walkergen.core.walker.sections`.
 
-    A new one is its file, its line in `section_of`, its name and its thickness in `limbs`, its look in `files.figures`.
+    To add a kind, write its module and add it to SECTIONS, its name and thickness to `limbs`, its look to
+    `files.figures`.
     """
 
     PLASTIC_TOLERANCE: float
@@ -25,7 +26,7 @@ class CrossSection(Protocol):
         """
 
     def struts(self, limb: Limb) -> tuple[Strut, ...]:
-        """Return the upright supports next to the leg."""
+        """Return the leg's braces, upright bars from its foot to the body; () without any."""
 
     def second_moment(self, limb: Limb) -> float:
         """Return the second moment of area about the axis across the run, mm^4."""
@@ -37,14 +38,14 @@ class CrossSection(Protocol):
         """Return the stiffness along the leg over Young's modulus times the width, dimensionless."""
 
     def problems(self, limb: Limb) -> list[str]:
-        """Return the reasons why the leg cannot be built on any body."""
+        """Return messages on faults for which the leg cannot be built on any body, [] without faults."""
 
 
 SECTIONS: dict[Kind, CrossSection] = {"flexible": flexible, "braced": braced}
 
 
 def section_of(limb: Limb) -> CrossSection:
-    """Return the cross-section of a leg."""
+    """Return the module with the shape and stiffness of legs of this leg's kind."""
     return SECTIONS[limb.kind]
 
 

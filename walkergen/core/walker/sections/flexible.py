@@ -44,7 +44,7 @@ def _half_circle(tilt: float, segments: int) -> Polygon:
 
 
 def struts(limb: Limb) -> tuple[Strut, ...]:
-    """Return no supports: a flexible leg has none."""
+    """Return (): a flexible leg has no brace."""
     return ()
 
 
@@ -64,5 +64,5 @@ def axial(limb: Limb) -> float:
 
 
 def problems(limb: Limb) -> list[str]:
-    """Return no problems: every flexible leg can be built."""
+    """Return []: every flexible leg can be built."""
     return []
