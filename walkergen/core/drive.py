@@ -78,7 +78,7 @@ class Drive(Section):
 
     @classmethod
     def translate_key(cls, key: str) -> str:
-        """Return the advice how to convert a value with another program's name, `key`, to a key here; "" if unknown."""
+        """Return advice on how to state here what other programs call `key`, such as "accel_g"; "" if unknown."""
         words = key.lower()
         if re.search(r"(^|_)dbu?(_|$)|decibel", words):
             return "A level in dB needs its reference: write gamma = 10^(dB / 20) times the reference's peak in g."
@@ -134,7 +134,7 @@ class Drive(Section):
         return self._check_plate() if self.kind == "plate" else self._check_motor()
 
     def _check_motor(self) -> "Drive":
-        """Raise ValueError for a motor whose frequency, eccentric moment or axis is missing or wrong."""
+        """Return the drive. Raises ValueError for a motor with a wrong frequency, or without frequency or moment."""
         low, high = MOTOR_FREQUENCY_RANGE_HZ
         words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
         if self.frequency_hz is None or not low <= self.frequency_hz <= high:
@@ -148,7 +148,7 @@ class Drive(Section):
         return self
 
     def _check_plate(self) -> "Drive":
-        """Raise ValueError unless two or more numbers of the vibration are given and agree."""
+        """Return the drive. Raises ValueError unless two or more numbers of a plate's vibration are given and agree."""
         numbers = self.model_dump(include=set(VIBRATION_KEYS), exclude_none=True)
         if len(numbers) < 2:
             raise ValueError(
@@ -253,9 +253,9 @@ class Drive(Section):
         return f"motor, {self.frequency:g} Hz, {self.eccentric_moment:.3g} g mm{axis}"
 
     def drop_contradicted_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a user's change of this drive without the drive's older keys that contradict the change.
+        """Return `data` without keys of this drive that contradict `keys`, the values that a user has just set.
 
-        `data` has all values after the change, by key, and `keys` those that the user set. Setting one of a plate's
+        `data` has the values of all keys, the new ones included. Setting one of a plate's
         four numbers keeps the frequency. Setting the frequency keeps the peak acceleration, or a motor's moment.
         """
         if data.get("kind", "plate") == "motor":

@@ -73,7 +73,7 @@ class Contact(Section):
 
     @property
     def origin(self) -> str:
-        """Description of where the numbers come from."""
+        """Words on where the numbers come from, such as "contact as given"."""
         prior = PRIORS[self.prior].words
         named = [name for name in ("restitution", "friction") if {name, f"{name}_sd"} & self.model_fields_set]
         if not named:

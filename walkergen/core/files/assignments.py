@@ -84,7 +84,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """Return the result of `read_with_values`, and the tables of the file before validation and without the values."""
+    """Return the result of `read_with_values`, and the file's tables with these values before validation."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)

@@ -51,7 +51,7 @@ class Columns(NamedTuple):
     """Reason why each other row was left out, by its line in the file."""
 
     def reject_rows(self, wrong: Mask, reason: str) -> "Columns":
-        """Return the columns without the rows that are True in `wrong`, shape (rows,). These become `bad` rows."""
+        """Return the columns without rows where `wrong`, shape (rows,), is True. These become bad, with this reason."""
         bad = self.bad | {int(line): reason for line in self.lines[wrong]}
         kept = {name: values[~wrong] for name, values in self.values.items()}
         return Columns(kept, self.lines[~wrong], bad)

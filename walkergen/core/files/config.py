@@ -420,7 +420,7 @@ def describe_allowed_values(location: tuple[str, ...], model: type[Section], see
 
 
 def _describe_tables(key: str, annotation: Any) -> str:
-    """Describe the tables that a field of this type may hold under `key`, or return '' if it holds none."""
+    """Describe the tables, such as "a table [legs] of keys", that a field of this type may hold, or return ''."""
     forms = [
         f"{start}{key}{end}"
         for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))

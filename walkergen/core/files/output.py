@@ -85,7 +85,7 @@ def _create(path: Path, data: bytes, lasting: bool) -> None:
 
 
 def _remove_leftovers(folder: Path) -> None:
-    """Remove temporary files that a killed process left in a folder: those that no process has locked."""
+    """Remove temporary files that killed processes left in a folder. Running processes have theirs locked."""
     try:
         names = [entry.name for entry in os.scandir(folder) if TEMPORARY_NAME.fullmatch(entry.name)]
     except OSError:

@@ -82,7 +82,7 @@ def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[
 
 
 def check_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Return the findings on a part that is no walker, as its mesh lies on the bed. `upright` are its walls.
+    """Return the findings on a part that is no walker, as its mesh lies on the bed. `upright` has its upright walls.
 
     Its mass is not predicted, so that walls count only if they fail or print otherwise than drawn.
     """
@@ -227,7 +227,7 @@ def _check_layers(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_whole_layers(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
-    """Yield the findings on a length, mm, printed as layers of `height`, mm. `what` and `key` are its name and key."""
+    """Yield the findings on a `length` in layers of this `height`, mm. `what` is its name, and `key` sets it."""
     layers = length / height
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + ROUNDING_MM)

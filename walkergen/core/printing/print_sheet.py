@@ -151,7 +151,7 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 
 
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
-    """Format the part of the print sheet on printing, without weighing. `loads` are the plastic of each part."""
+    """Format the print sheet as Markdown, without the section on weighing. `loads` are the plastic of each part."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
     supported = [
         name

@@ -31,7 +31,7 @@ def prepare_body(mesh: Mesh) -> Body:
 
 
 def plan_projection(solid: manifold3d.Manifold) -> "BaseGeometry":
-    """Return the region that a solid covers seen from above, with x and z as its coordinates, mm."""
+    """Return the region that a solid covers seen from above, as a polygon with the coordinates x and z, mm."""
     import shapely
 
     covered: BaseGeometry = shapely.Polygon()

@@ -127,7 +127,10 @@ def _signed_area(polygon: Polygon) -> float:
 
 
 def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
-    """Return a solid with an engraving cut into its upper side, z = `scale` `depth`. It is `scale` times as large."""
+    """Return a solid with an engraving cut into its upper side.
+
+    The solid is `scale` times as large as drawn. `depth` is the height of its upper side as drawn, mm.
+    """
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
     cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)  # overshoots, so that no sides touch
     cut = solid - cutter.translate((0.0, 0.0, scale * (depth - engraving.depth)))

@@ -110,8 +110,8 @@ def load_library() -> Any:
 def read_parts(data: bytes, source: str, most_triangles: int = MAX_TRIANGLES) -> list[Part]:
     """Read the meshes of all items, in the file's order. An item has a part for each role of its volumes.
 
-    Raises InputError, beginning with `source`, for what is no 3MF, and before it is placed for a file
-    that places more than MAX_PARTS meshes or `most_triangles` triangles, counted as often as placed.
+    Raises InputError, whose message begins with `source`, for what is no 3MF, and for a file that places more than
+    MAX_PARTS meshes or `most_triangles` triangles, counted as often as placed.
     """
     package = _Package(most_triangles)
     try:

@@ -84,7 +84,7 @@ class Body(Section):
             raise ValueError(f"{' and '.join(sources)} each give the body a shape: keep one of them")
         if (self.points_mm is not None) != (self.outline == "polygon"):
             raise ValueError('points_mm and outline = "polygon" go together')
-        if self.scale_mm is not None and not (self.mesh or self._drawing):
+        if self.scale_mm is not None and not (self.mesh or self._has_drawing):
             raise ValueError("scale_mm applies only to a drawing or a mesh; other lengths are mm already")
         if self.rails_mm is not None and self.text is None:
             raise ValueError("rails_mm applies only to body.text")
@@ -162,7 +162,7 @@ class Body(Section):
     @property
     def given_length_mm(self) -> float | None:
         """Length that the user set for a drawing, text or mesh, mm, or None if it is not set or does not apply."""
-        scaled = self.text is not None or self.mesh is not None or self._drawing
+        scaled = self.text is not None or self.mesh is not None or self._has_drawing
         return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
 
     @property
@@ -174,14 +174,14 @@ class Body(Section):
         needs = {
             "points_mm": self.outline == "polygon",
             **dict.fromkeys(("font", "rails_mm"), self.text is not None),
-            **dict.fromkeys(("scale_mm", "repair"), bool(self.mesh or self._drawing)),
+            **dict.fromkeys(("scale_mm", "repair"), bool(self.mesh or self._has_drawing)),
             **dict.fromkeys(("up", "forward", "legs_below_mm"), bool(self.mesh)),
             **dict.fromkeys(("base", "mirror"), self.is_flat_or_mesh),
         }
         return keys | {key for key, needed in needs.items() if not needed}
 
     @property
-    def _drawing(self) -> bool:
+    def _has_drawing(self) -> bool:
         """Whether the outline is a file, not one of the built-in outlines."""
         return self.outline is not None and self.outline not in BUILTIN_OUTLINES
 

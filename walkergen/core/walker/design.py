@@ -61,7 +61,7 @@ class Design(WalkerSpec):
 
     @model_validator(mode="before")
     @classmethod
-    def _level_stance(cls, data: Any) -> Any:
+    def _prepare_data(cls, data: Any) -> Any:
         """Return the data to validate: with the legs of a mesh if it has any, turned if the stance is "as built"."""
         if not isinstance(data, Mapping):
             return data

@@ -231,7 +231,7 @@ def scale_to_weighed_mass(part: SolidMass, weighed_mass: float | None) -> SolidM
 
 
 def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
-    """Raise GeometryError unless the centre of mass lies above the area between the feet."""
+    """Raise GeometryError unless the walker's centre of mass lies above the area between its feet."""
     centre = _centre_in_plan(mass)
     corners = np.array(  # both ends of each foot, (x, z) from O and half the depth
         [

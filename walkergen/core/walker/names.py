@@ -98,7 +98,7 @@ def _mark_legend(members: Sequence[Design]) -> str:
 
 
 def mark_range(marks: Sequence[str], quote: str = "") -> str:
-    """Format the marks of copies of a part: as one mark, or as "first to last" if they differ, each between quotes."""
+    """Format the marks of copies of a part: one mark, or "first to last" if they differ. `quote` encloses each mark."""
     ends = dict.fromkeys((marks[0], marks[-1]))
     return " to ".join(f"{quote}{mark}{quote}" for mark in ends)
 
@@ -121,7 +121,7 @@ def reading_instructions(marks: Marks) -> str:
 
 
 def _column_letters(index: int) -> str:
-    """Return the letters of an index from 0, as spreadsheets name columns: A, ... Z, AA, AB, ..."""
+    """Convert an index from 0 to letters, as spreadsheets name columns: A, ... Z, AA, AB, ..."""
     before, last = divmod(index, len(ascii_uppercase))
     return (_column_letters(before - 1) if before else "") + ascii_uppercase[last]
 

@@ -101,7 +101,7 @@ def describe_placement(spec: WalkerSpec) -> str:
 
 
 def member_tilt_deg(spec: WalkerSpec) -> float:
-    """Return the tilt that identifies a member of a family, deg; of a finished walker the tilt of its first leg."""
+    """Return the tilt, deg, by which a walker is named in a family; for a finished walker that of its first leg."""
     if spec.is_complete_mesh:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.tilt_from_keys_deg
@@ -255,7 +255,7 @@ def _strut_faults(limbs: Sequence[Limb], body_length: float) -> list[str]:
 
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
-    """Return the largest tilt (deg, sign as set) at which two equal legs have no fault; None if they have at 0 deg."""
+    """Return the largest tilt, deg, without fault of two equal legs, in 0..legs.tilt_deg; None if 0 deg has a fault."""
     if _pair_faults_at(legs, size, 0.0):
         return None
     good, bad = 0.0, legs.tilt_deg

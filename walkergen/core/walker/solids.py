@@ -218,7 +218,7 @@ def _build_flush_legs(
     return tuple(legs)
 
 
-class _Section(NamedTuple):
+class _LegProfiles(NamedTuple):
     """Side views of a leg, and of its brace if it has one, shape (n, 2), mm, with the anchor at the origin."""
 
     below: Sequence[Polygon]
@@ -227,16 +227,16 @@ class _Section(NamedTuple):
     """The same, extended upward into the body."""
 
 
-def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
+def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_LegProfiles]:
     """Return the side views of legs; round feet have `foot_segments` edges. Legs of equal shape share one object."""
-    by_shape: dict[Limb, _Section] = {}
+    by_shape: dict[Limb, _LegProfiles] = {}
     sections = []
     for limb in limbs:
         shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
         if shape not in by_shape:
             below = section_of(limb).profile(limb, foot_segments)
             raised = tuple(_extend_into_body(part, limb.embedding) for part in below)
-            by_shape[shape] = _Section(below, raised)
+            by_shape[shape] = _LegProfiles(below, raised)
         sections.append(by_shape[shape])
     return sections
 
@@ -248,7 +248,7 @@ def _extend_into_body(profile: Polygon, embedding: float) -> Polygon:
     return np.concatenate([profile, [right + up, left + up]])
 
 
-def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
+def _build_bars(limbs: Sequence[Limb], sections: Sequence[_LegProfiles], depth: float) -> list[Mesh]:
     """Build meshes of legs that reach into a body of this depth (mm), at their positions in the design's frame."""
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
@@ -257,8 +257,8 @@ def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: floa
     return bars
 
 
-def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
-    """Build meshes of the legs outside the body, anchors at the origin. Equal legs share theirs."""
+def _build_legs(limbs: Sequence[Limb], sections: Sequence[_LegProfiles]) -> tuple[Mesh, ...]:
+    """Build meshes of the legs outside the body, with their anchors at the origin. Equal legs share one mesh."""
     meshes: dict[int, Mesh] = {}
     for limb, section in zip(limbs, sections, strict=True):
         if id(section) not in meshes:
@@ -408,7 +408,7 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
 
 
 def has_window(limb: Limb) -> bool:
-    """Return whether a leg has a brace and a gap is between both. At small tilts there is none."""
+    """Return whether there is a gap between a leg and its brace. At small tilts, or without a brace, there is none."""
     return window_width(limb) > MIN_WINDOW_RATIO * limb.length
 
 

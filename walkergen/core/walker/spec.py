@@ -1,4 +1,4 @@
-"""Specification of a walker: the keys of its file, each validated.
+"""Specification of a walker: the keys of its TOML file, each validated.
 
 It holds text and numbers and reads no drawing. `resolve` finds the shape and the legs that they define.
 """
@@ -199,7 +199,7 @@ class WalkerSpec(Section):
                 data["name"] = name_from_text(Path(str(values[f"body.{source}"])).stem)
                 data.pop("description", None)
         if source != "profile_mm" and not any(key.partition("[")[0] == "legs" for key in values):
-            data["legs"] = self._without_positions(
+            data["legs"] = self._drop_positions(
                 data.get("legs", {}), data["body"].get("outline") in BUILTIN_OUTLINES, values
             )
             if isinstance(data["legs"], dict):
@@ -209,7 +209,7 @@ class WalkerSpec(Section):
                 data.pop(table, None)
         return data
 
-    def _without_positions(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
+    def _drop_positions(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
         """Return the keys of `legs` for a new shape of the body, without positions that are not set in `values`.
 
         A list of legs becomes the table of two equal legs, unless `keep_list`.

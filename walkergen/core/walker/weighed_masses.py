@@ -142,12 +142,12 @@ def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
     )
 
 
-def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
-    """Return the design with the masses of `weighed` instead of those of its solids, `parts`.
+def apply_masses(design: Design, built: Solids, weighed: Weighings, name: str) -> Design:
+    """Return the design with the masses of `weighed` instead of those of its solids, `built`.
 
-    Raises InputError, beginning with `name`, when the masses contradict each other or are far from the mesh's.
+    Raises InputError, whose message begins with `name`, for masses that contradict each other, or far from the mesh's.
     """
-    count, (body, leg) = len(parts.legs), _mesh_masses(design, parts)
+    count, (body, leg) = len(built.legs), _mesh_masses(design, built)
     grams, body_g, leg_g = (None if weighing is None else weighing.number for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g cannot all be given. Leave one empty.")
@@ -186,13 +186,13 @@ def check_stated_masses(design: Design) -> None:
             )
 
 
-def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
-    """Return the masses of the meshes, g: of the body with its cap, and of a leg (the mean of unlike legs)."""
+def _mesh_masses(design: Design, built: Solids) -> tuple[float, float]:
+    """Return the masses of the solids, `built`, in g: of the body with its cap, and of a leg (the mean of all legs)."""
     density = 1e-3 * design.material.density_g_cm3
-    body = mass.weigh(parts.body, density).mass
-    if parts.cap is not None and design.cap is not None:
-        body += mass.weigh(parts.cap, 1e-3 * design.cap.density(design.material.density_g_cm3)).mass
-    return body, sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / len(parts.legs)
+    body = mass.weigh(built.body, density).mass
+    if built.cap is not None and design.cap is not None:
+        body += mass.weigh(built.cap, 1e-3 * design.cap.density(design.material.density_g_cm3)).mass
+    return body, sum(mass.weigh(mesh, density).mass for mesh in built.legs) / len(built.legs)
 
 
 def _is_implausible(weighed: float, meshed: float) -> bool:
@@ -277,8 +277,8 @@ def _match_row(
 ) -> str | None:
     """Return the name of the part that a row of a form is about, or None for a walker that is not a member.
 
-    `values` has masses, g, by column. `parts` has part names by the names in files. Parts in `present` are not
-    suggested. Raises InputError.
+    `values` has masses, g, by column. `parts` has part names by the names in files. Raises InputError, which
+    suggests no part of `present`, those in other rows.
     """
     if not any(name in carried_rows(design) for design in members):
         return _match_part(name, parts, members, present)
@@ -288,7 +288,7 @@ def _match_row(
 
 
 def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
-    """Parse the masses of a row in g by quantity, without blank cells. Raises InputError."""
+    """Return the masses in a row, g, by the column's name, without blank cells. Raises InputError."""
     values = {}
     for quantity in QUANTITIES:
         if cell := row.get(quantity, "").strip():
@@ -358,7 +358,7 @@ def _is_other_member(name: str, members: Sequence[Design]) -> bool:
 
 
 def _mean_mass(values: Sequence[float]) -> Quantity:
-    """Return the mean of masses in g, with its standard error from their spread."""
+    """Return the mean of masses in g, with its standard error from their spread (None for a single mass)."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
     return Quantity("mass", "g", float(np.mean(values)), error, count - 1.0)
