@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 from walkergen.core.files.progress import Expected, Progress, silent
-from walkergen.core.scene import Scene
-from walkergen.core.theory import prediction
+from walkergen.core.scene import MIN_RESTITUTION, Scene
+from walkergen.core.simulation.effects import walls
+from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.theory import prediction, surrogate
 from walkergen.core.theory.prediction import Prediction
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.surrogate import UnknownError
@@ -32,11 +34,12 @@ def predict(
     """Predict the mean speed of one walker from the surrogate or, outside its domain, from a short simulation.
 
     With model "known" nothing is simulated: a row outside the domain has a stored speed or none. With "theory" it has
-    the theory's speed only. Raises InputError if a walker to simulate contradicts its scene or would take minutes,
-    TheoryError for an unknown mode.
+    the theory's speed only. Raises InputError if walker and scene contradict each other, as a simulation does, or if a
+    simulation would take minutes, and TheoryError for an unknown mode.
     """
     if model == "theory":
         return prediction.make_row(design, mass, scene, mode, None)
+    _check_consistency(design, mass, scene)
     try:
         return prediction.predict(design, mass, scene, mode)
     except UnknownError as reason:
@@ -57,6 +60,16 @@ def predict(
             note += _push_warning(scene.drive.push_ratio(float(mass.total)))
         speed = short_simulation.speed_from_record(record, scene)
         return prediction.make_row(design, mass, scene, mode, speed, note, falls)
+
+
+def _check_consistency(design: Design, mass: MassProperties, scene: Scene) -> None:
+    """Raise InputError where a simulation does. The compiler loads only outside what the surrogate was trained for."""
+    walls.check_arena(Case(scene, design, mass))
+    given = scene.run.step_us is not None or scene.contact.restitution < MIN_RESTITUTION
+    if given or any(surrogate.domain_violations(scene, design)):
+        from walkergen.core.simulation.plan import prepare
+
+        prepare(scene, design, mass)
 
 
 def expected_time(cases: Sequence[tuple[Design, MassProperties]], scene: Scene) -> Expected:

@@ -119,7 +119,7 @@ def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_cert
     Raises FallsError for a walker that almost surely falls over. Raises UnknownError, with the reason, for one that may
     fall, is outside the domain, or has too large an error. `only_certain=False` accepts any error.
     """
-    for reason in _domain_violations(scene, design):
+    for reason in domain_violations(scene, design):
         raise UnknownError(reason)
     known = SurrogateCase(design, scene, dimensionless.compute_numbers(scene, design, mass))
     _check_ranges(design.kind, known.numbers)
@@ -135,7 +135,7 @@ def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_cert
     return known
 
 
-def _domain_violations(scene: Scene, design: Design) -> Iterator[str]:
+def domain_violations(scene: Scene, design: Design) -> Iterator[str]:
     """Yield the reasons why a walker or its scene lies outside the surrogate's training set."""
     if scene.drive.kind == "motor":
         yield "walkers with a motor are simulated"

@@ -23,11 +23,9 @@ if TYPE_CHECKING:
 AT_REST_UM = 1e-6
 """Amplitude below which a plate is reported to be at rest, um."""
 
-SLOW_POSES_PER_FRAME = 8
-"""Simulated poses for each frame in slow motion, so that the curves of heights show motion between frames."""
-
-ABOVE_POSES_PER_FRAME = 4
-"""Simulated poses for each frame from above, so that trails are smooth."""
+SLOW_POSES_PER_FRAME, ABOVE_POSES_PER_FRAME = 8, 4
+"""Simulated poses for each frame in slow motion, whose curves of heights show motion between frames, and from above,
+where trails are smooth."""
 
 WRITE_TIME_RATIO = 1.5
 """Time to draw and write a frame, over the time to draw it."""
@@ -64,7 +62,8 @@ def make_movie(
     from walkergen.files import animation
     from walkergen.guests.movie import impacts
 
-    _check_simulation_time(film)
+    cpu_s = _check_simulation_time(film)
+    expect(lambda: Expected(cpu_s))
     draw, frames, shots = _prepare_drawing(film, progress)
     colours = impacts.movie_colours(max(len(design.limbs) for design in film.members))
     expect(lambda: _expected_time(draw, frames))
@@ -80,8 +79,8 @@ def make_movie(
     return MovieFiles(path, mp4, encoded.without_mp4, frames, shots)
 
 
-def _check_simulation_time(film: Film) -> None:
-    """Raise InputError for a film whose simulation would take longer than MAX_SIMULATION_S."""
+def _check_simulation_time(film: Film) -> float:
+    """Return the CPU time (s) of a film's simulation. Raises InputError if it is longer than MAX_SIMULATION_S."""
     scene = film.scene
     rates = (run_time.rate_from_steps(prepare(scene, design, mass_of(design))) for design in film.members)
     cpu_s = sum(rates) * (scene.run.discard_seconds + film.seconds)
@@ -90,6 +89,7 @@ def _check_simulation_time(film: Film) -> None:
             f"drive.frequency_hz = {scene.drive.frequency:g}: the simulation of this film would take about "
             f"{cpu_s / 60.0:.3g} minutes, and may take {MAX_SIMULATION_S / 60.0:g}. Lower the frequency or ‹seconds›."
         )
+    return cpu_s
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:

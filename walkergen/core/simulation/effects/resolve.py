@@ -14,7 +14,6 @@ from walkergen.core.simulation.effects.active_effects import (
     applicable_rules,
 )
 from walkergen.core.simulation.effects.effect import Case, Effect
-from walkergen.core.walker.design import Design
 
 WALL_KEYS = ("arena.wall_friction", "arena.wall_restitution")
 FOOT_KEYS = ("contact.restitution", "contact.friction")
@@ -43,7 +42,7 @@ def resolve(case: Case) -> Resolved:
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
-    _check_arena_size(case.scene, case.design)
+    walls.check_arena(case)
     effects = tuple(rule.decide(case) for rule in applicable_rules(case))
     on = _effect_states(effects)
     _check_headings(case.scene, on[turning.NAME])
@@ -71,20 +70,6 @@ def replace_without_validation(scene: Scene, values: Mapping[str, Any]) -> Scene
             changed = getattr(scene, table).model_copy(update={name: value}) if name else value
         scene = scene.model_copy(update={table: changed})
     return scene
-
-
-def _check_arena_size(scene: Scene, design: Design) -> None:
-    """Raise InputError for a plane that is smaller than the walker."""
-    arena, body = scene.arena, design.body
-    for key, size, needed, extent in (
-        ("length_mm", arena.length_mm, body.length_mm, "long"),
-        ("width_mm", arena.width_mm, body.depth_mm, "deep"),
-    ):
-        if arena.kind == "plane" and size is not None and size < needed:
-            raise InputError(
-                f"arena.{key} = {size:g}: must be at least {needed:g}, since the walker is "
-                f"{needed:g} mm {extent}; take a larger plane, or leave the key out (endless)"
-            )
 
 
 def _check_headings(scene: Scene, can_turn: bool) -> None:

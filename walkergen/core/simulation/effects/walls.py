@@ -28,6 +28,22 @@ DROP_AMPLITUDES, TILT_ALLOWANCE_RAD = 1.5, 2e-3
 """Space above a walker at its release: amplitudes that it drops, and twice its tilt by then, rad."""
 
 
+def check_arena(case: Case) -> None:
+    """Raise InputError for a plane that is smaller than the walker, or a lane that it does not fit in."""
+    arena, body = case.scene.arena, case.design.body
+    if arena.kind == "lane":
+        decide(case)
+    for key, size, needed, extent in (
+        ("length_mm", arena.length_mm, body.length_mm, "long"),
+        ("width_mm", arena.width_mm, body.depth_mm, "deep"),
+    ):
+        if arena.kind == "plane" and size is not None and size < needed:
+            raise InputError(
+                f"arena.{key} = {size:g}: must be at least {needed:g}, since the walker is "
+                f"{needed:g} mm {extent}; take a larger plane, or leave the key out (endless)"
+            )
+
+
 def gap(case: Case) -> float:
     """Return the distance between the lane's walls, mm. Raises InputError if the walker does not fit."""
     size, legs = case.design.size, case.design.limbs
