@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from walkergen.analysis import motion
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks, from_positions
@@ -16,9 +18,9 @@ from walkergen.core.files import formatting
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate, part_progress, silent
 from walkergen.core.measure import FIRST_RUNS, Measured, Runs, Until, UntilError, measure
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import batch, observables
+from walkergen.core.simulation import batch, ensemble, observables
 from walkergen.core.simulation.observables import SPEED
-from walkergen.core.simulation.run import RunResult
+from walkergen.core.simulation.run import ENDED_WELL, RunResult
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import experiments, run_time, step_errors, trajectory
 from walkergen.points.experiments import Results, Walker
@@ -31,9 +33,32 @@ MIN_SPEED_RATIO = 0.2
 """Ratio of speed and plate's peak speed: a relative error of a slower walker refers to this speed."""
 
 
+STEADY_RATIO, REPEATED_RUNS, STEP_FACTOR = 0.3, 2, 2.0
+"""Range of runs over their speed's tabulated error by the step, below which that error is measured; runs repeated for
+it; and the error over the change by half the step: 2 at first order, 4/3 at second."""
+
+
 def simulate(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Results:
     """Simulate all runs that the walker's scene requests. Raises InputError if the scene contradicts itself."""
     return _to_results(measure(walker, Runs(walker.scene.run.runs), progress, threads))
+
+
+def with_measured_step_error(results: Results) -> Results:
+    """Return results whose speed has a measured error by the step, if its runs hardly scatter; else the same results.
+
+    The first runs are repeated from the same drops at half the step (Richardson). The tabulated error of all walkers
+    stays where runs scatter: it is then the smaller one.
+    """
+    speed, finer = results.summary.speed, results.walker.finer()
+    speeds = [run.speed for run in results.results if run.outcome in ENDED_WELL]
+    few = results.partial or len(speeds) < max(results.summary.runs, REPEATED_RUNS)
+    if few or finer is None or math.isinf(speed.bias) or np.ptp(speeds) > STEADY_RATIO * speed.bias:
+        return results
+    plan = finer.plan()
+    again = batch.run_all(ensemble.runner(plan), REPEATED_RUNS)
+    changes = [abs(run.speed - own) for run, own in zip(again, speeds, strict=False)]
+    measured = speed._replace(bias=STEP_FACTOR * max(changes))
+    return results._replace(summary=results.summary._replace(numbers={**results.summary.numbers, SPEED: measured}))
 
 
 def simulate_each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -> Iterator[Results]:

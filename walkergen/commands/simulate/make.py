@@ -144,7 +144,7 @@ def measure(
     if walker.sample_interval is not None:
         trajectory.check_sample_count(walker.scene, walker.sample_interval, walker.scene.run.runs)
     if wanted is None:
-        return analyse_point(walkers.simulate(walker, progress), progress)
+        return analyse_point(walkers.with_measured_step_error(walkers.simulate(walker, progress)), progress)
     met = walkers.simulate_to_error(
         walker._replace(impacts=False, sample_interval=None), wanted, of, progress, expect=expect
     )
