@@ -62,10 +62,10 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
 
     F_i(v) is the impulse at foot i, the loads are N_i = s_i F_y,i / sum, and the force ratios rho_i = F_x,i / F_y,i.
     They obey sum N_i rho_i = 0 and sum N_i (x_i - y_i rho_i) = 0. Each rho_i falls with v and is 0 at the foot's own
-    stationary speed. So v lies between the feet's, and is unique for feet at one height.
+    stationary speed. So v lies between these speeds, and is unique for feet at one height.
 
-    More than two feet bear loads as on equal springs, which hold the body up but cannot pull: those nearest to equal
-    ones that balance it. Arrays broadcast (1024 draws of two feet: 7 ms). Raises TheoryError for feet that are not on
+    More than two feet bear loads as on equal springs, which cannot pull: of all loads that balance the body, those
+    nearest to equal ones. Arrays broadcast (1024 draws of two feet: 7 ms). Raises TheoryError for feet that are not on
     both sides of the centre of mass, for mode `paper`, which has no impact law, and for numbers out of range.
     """
     if mode == "paper":
@@ -108,7 +108,7 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
 
 
 def _check_numbers(numbers: Array) -> None:
-    """Raise TheoryError for bad numbers, shape (feet, 7, draws), or a centre of mass not between the feet."""
+    """Raise TheoryError for bad `numbers`, shape (feet, XX to FRICTION, draws), or a centre of mass beyond all feet."""
     xx, xy, yy, x = (numbers[:, column] for column in (XX, XY, YY, LEVER_X))
     if not np.isfinite(numbers).all():
         raise TheoryError("balance: tensors and levers of the feet must be finite numbers.")
@@ -122,17 +122,17 @@ def _check_numbers(numbers: Array) -> None:
 
 
 def _format_levers(numbers: Array) -> str:
-    """Describe the levers of the feet in the first draw, from numbers of shape (feet, 7, draws)."""
+    """Return the levers (x, y) of the feet in the first draw as text, from `numbers` of shape (feet, 7, draws)."""
     return ", ".join(f"({x:.4g}, {y:.4g})" for x, y in numbers[:, (LEVER_X, LEVER_Y), 0])
 
 
 @kernel
 def _bisect_speeds(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """Find each draw's speed without net force, between `low` and `high` (draws,). `feet`: (draws, feet, 7).
+    """Find the speed, between `low` and `high`, at which each draw's feet have no net horizontal force, by bisection.
 
-    Bisection ends at a rounding error of the larger limit. Returns speeds (draws,), loads and normal impulses (draws,
-    feet), all for w = 1. The speed is NaN where feet of different height cannot balance. Mirror images give mirrored
-    numbers exactly.
+    `feet`: shape (draws, feet, 7), columns XX to FRICTION. Returns speeds (draws,), shares of the load and normal
+    impulses (draws, feet), for an impact speed w = 1. The speed is NaN where feet of different height cannot balance.
+    Mirror images give mirrored numbers exactly.
     """
     draws, count = feet.shape[0], feet.shape[1]
     speeds, ratios, levers = np.empty(draws), np.empty(count), np.empty(count)
@@ -163,9 +163,9 @@ def _bisect_speeds(feet: Array, low: Array, high: Array) -> tuple[Array, Array, 
 
 @kernel
 def _fill_impulses(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
-    """Fill force `ratios` F_x / F_y and normal `impulses`, shape (feet,), of feet that slide at a speed, for w = 1.
+    """Fill `ratios`, F_x / F_y, and `impulses`, F_y, both of shape (feet,), of feet that slide at `speed`.
 
-    `feet`: shape (feet, 7), with the columns XX to FRICTION.
+    The impact speed is 1. `feet`: shape (feet, 7), with the columns XX to FRICTION.
     """
     for i, foot in enumerate(feet):
         hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION])
@@ -175,7 +175,7 @@ def _fill_impulses(feet: Array, speed: float, ratios: Array, impulses: Array) ->
 
 @kernel
 def _fill_levers(feet: Array, ratios: Array, levers: Array) -> None:
-    """Fill `levers`, shape (feet,): where the impulses' lines of action, x - y rho, cross the feet's mean height.
+    """Fill `levers`, shape (feet,), with the x (mm) at which each impulse's line of action crosses the mean height.
 
     `feet`: shape (feet, 7); `ratios`: force ratios rho, shape (feet,).
     Where the net force vanishes, the height at which levers are taken does not matter.
@@ -190,11 +190,11 @@ def _fill_levers(feet: Array, ratios: Array, levers: Array) -> None:
 
 @kernel
 def _fill_loads(levers: Array, loads: Array) -> None:
-    """Fill `loads`, shape (feet,): those nearest to equal ones that sum to 1, balance the `levers` and never pull.
+    """Fill `loads`, shape (feet,), the shares nearest to equal ones that sum to 1, balance the `levers` and never pull.
 
-    Least squares over the n feet that stay: N_i = (S_2 - S_1 x_i) / (n S_2 - S_1^2), with S_1 and
-    S_2 the sums of x and x^2. Feet that would pull are let go. Those lie far out on one side, so
-    that the others keep the sign of S_1 and lower |S_2 / S_1|: none would push again.
+    Least squares over the n feet on the ground: N_i = (S_2 - S_1 x_i) / (n S_2 - S_1^2), with S_1 and
+    S_2 the sums of x and x^2. Feet that would pull are left out. They lie far out on one side,
+    so that the others keep the sign of S_1 and lower |S_2 / S_1|: none would push again.
     """
     loads[:] = 1.0
     pulls = True

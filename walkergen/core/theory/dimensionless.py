@@ -81,7 +81,7 @@ class DimensionlessNumbers(NamedTuple):
     log_depth_ratio: float | Array
 
     def with_inputs(self, design: Design, scene: Scene, drawn: Drawn) -> "DimensionlessNumbers":
-        """Return these numbers with uncertain inputs at their drawn values; those become arrays of shape (draws,)."""
+        """Return these numbers for random draws of the uncertain inputs; affected numbers have the shape (draws,)."""
         contact, material = scene.contact, design.material
         modulus = material.youngs_modulus_gpa
         friction = np.maximum(drawn.input_values("contact.friction", contact.friction), 1e-9)
@@ -113,7 +113,7 @@ class DimensionlessNumbers(NamedTuple):
 
 
 def compute_numbers(scene: Scene, design: Design, mass: MassProperties) -> DimensionlessNumbers:
-    """Compute the dimensionless numbers of a walker with two equal legs; hinge and mass ratios of braced legs are 1."""
+    """Compute the dimensionless numbers of a walker with two equal legs. With braced legs two ratios are 1."""
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
     modulus = 1e9 * design.material.youngs_modulus_gpa
@@ -123,7 +123,7 @@ def compute_numbers(scene: Scene, design: Design, mass: MassProperties) -> Dimen
         hinge = math.sqrt(spring / turning) / drive.omega
         mass_ratio = float(leg.m) / float(mass.M)
     axial = modulus * limb.width * limb.thickness / limb.length
-    friction = max(scene.contact.friction, 1e-9)
+    friction = max(scene.contact.friction, 1e-9)  # finite logarithm without friction
     phase = math.radians(drive.second_harmonic_phase_deg)
     along = math.copysign(1.0, design.tilt_deg)
     fore, height = (mass.centre - np.mean([one.foot for one in mass.legs], axis=0)) / span
@@ -173,31 +173,31 @@ def _log_tip_ratio(scene: Scene, design: Design, mass: float) -> float:
 
 
 def _inertias(mass: MassProperties) -> tuple[float, float, float]:
-    """Return the moments of inertia of the body about the run, the vertical and across the run, g mm^2."""
+    """Return the body's moments of inertia about the axis along the run, the vertical, and the axis across, g mm^2."""
     assert mass.spatial is not None
     roll, yaw = (float(mass.spatial.body[axis, axis]) for axis in (0, 1))
     return roll, yaw, float(mass.J)
 
 
 def leg_thickness_ratios(design: Design, drawn: Drawn) -> Array:
-    """Return the ratios of a leg's drawn thicknesses to its nominal one, shape (draws,)."""
+    """Return the thickness of a leg in each random draw over its nominal thickness, shape (draws,)."""
     nominal = design.limbs[0].thickness
     return drawn.input_values("legs.thickness_mm", nominal) / nominal
 
 
 def leg_mass_ratios(design: Design, drawn: Drawn) -> Array:
-    """Return ratios of a leg's drawn masses to its nominal one, proportional to its thickness unless it was weighed."""
+    """Return the mass of a leg in each random draw over its nominal mass; it follows the thickness unless weighed."""
     weighed = design.weighed.leg_mass_g is not None
     return drawn.input_values("leg mass", 1.0) * (1.0 if weighed else leg_thickness_ratios(design, drawn))
 
 
-def to_matrix(place: DimensionlessNumbers) -> Array:
-    """Return the numbers of n walkers or draws, whose fields are arrays, as a matrix of shape (n, fields)."""
-    return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(number) for number in place)))
+def to_matrix(numbers: DimensionlessNumbers) -> Array:
+    """Return the dimensionless numbers of n walkers or draws as a matrix of shape (n, fields)."""
+    return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(number) for number in numbers)))
 
 
 def describe_number(name: str, low: float, high: float) -> tuple[str, str]:
-    """Return the field `name` in words, and the range `low` to `high` of its values as text, without log or root."""
+    """Return the field `name` in words, and the range of its values as text, converted from logarithm or root."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
         low, high = low**2, high**2

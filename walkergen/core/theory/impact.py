@@ -63,7 +63,7 @@ class Impact(NamedTuple):
 
 @kernel
 def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
-    """Compute the determinant H_xx H_yy - H_xy^2 to nearly full precision, even at conditions beyond 1e12.
+    """Compute the determinant H_xx H_yy - H_xy^2 to nearly full precision, even if H is almost singular.
 
     The rounding errors of both products are recovered exactly (Dekker 1971, Veltkamp splitting), valid while entries
     stay below about 1e150.
@@ -172,7 +172,7 @@ def _compute_impact(
 def resolve(
     H: tuple[float, float, float], velocity: tuple[float, float], restitution: float, friction: float
 ) -> Impact:
-    """Compute one impact as `impact` does, after checks. H = (H_xx, H_xy, H_yy) in 1/g, velocity in mm/s.
+    """Compute one impact as `impact` does, after checking its input. H = (H_xx, H_xy, H_yy) in 1/g, velocity in mm/s.
 
     Raises TheoryError when H is not positive definite or a number lies outside its range.
     """

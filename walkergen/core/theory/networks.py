@@ -1,8 +1,8 @@
 """Networks of the surrogate: speeds of walkers, their error and the chance of a fall, from the shipped file.
 
-A place is a row of a walker's `DimensionlessNumbers`, and the networks' scale is asinh of a speed over the plate's.
-Ten networks of the speed were each trained without another two tenths of the rows (evidence/tables). Their error has
-two parts: their standard deviation, and what other networks learnt from rows that they were trained without.
+The networks' scale is asinh of a speed over the plate's. Rows of arrays are walkers or draws (`to_matrix`). Each of
+ten networks of the speed was trained without another two tenths of the rows (evidence/tables). Their error has two
+parts: their standard deviation, and the error that other networks learnt from rows not used in training.
 """
 
 import hashlib
@@ -59,10 +59,10 @@ class Speeds(NamedTuple):
     falls: Array
     """Chance that a run ends in a fall."""
     each: Array
-    """Middles by each of the networks, shape (networks, n)."""
+    """Value of `centre` from each single network, shape (networks, n)."""
 
     def speed_ratios(self, deviation: Array | float) -> Array:
-        """Return speeds over the plate's peak speed, at a deviation from the middle on the networks' scale."""
+        """Return speeds over the plate's peak speed, shape (n,), for `centre` + `deviation` on the networks' scale."""
         return np.asarray(LINEAR_BELOW * np.sinh(self.centre + deviation))
 
 
@@ -77,23 +77,23 @@ class Layer(NamedTuple):
 
 @cache
 def load_arrays() -> Mapping[str, Any]:
-    """Load the arrays of the surrogate's file. Raises InputError for a damaged file."""
+    """Load the arrays of the surrogate's file, by name. Raises InputError for a damaged file."""
     try:
         with np.load(io.BytesIO(NETWORK_FILE.read_bytes())) as stored:
-            kept = {name: stored[name] for name in stored.files}
-        whole = str(kept.pop("digest")) == hash_arrays(kept)
+            arrays = {name: stored[name] for name in stored.files}
+        is_intact = str(arrays.pop("digest")) == hash_arrays(arrays)
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
         raise InputError(f"{NETWORK_FILE}: the surrogate cannot be read: {error}. Install walkergen again.") from None
-    if not whole:
+    if not is_intact:
         raise InputError(f"{NETWORK_FILE}: the surrogate was changed or truncated. Install walkergen again.")
-    return kept
+    return arrays
 
 
-def hash_arrays(kept: Mapping[str, Any]) -> str:
-    """Return the hash of arrays by their names, 32 hexadecimal digits."""
+def hash_arrays(arrays: Mapping[str, Any]) -> str:
+    """Return a hash of named arrays, 32 hexadecimal digits."""
     hasher = hashlib.sha256()
-    for name in sorted(kept):
-        value = np.ascontiguousarray(kept[name])
+    for name in sorted(arrays):
+        value = np.ascontiguousarray(arrays[name])
         hasher.update(f"{name} {value.dtype} {value.shape}".encode() + value.tobytes())
     return hasher.hexdigest()[:32]
 
@@ -106,13 +106,13 @@ def digest() -> str:
 
 @cache
 def training_facts() -> dict[str, Any]:
-    """Read facts on the surrogate's training: ranges of its numbers, and errors at rows outside the training set."""
+    """Return facts on the surrogate's training, by key: ranges of its inputs, and errors outside the training set."""
     stored: dict[str, Any] = json.loads(str(load_arrays()["facts"]))
     return stored
 
 
 def select_layers(arrays: Mapping[str, Any], name: str) -> tuple[Layer, ...]:
-    """Return the layers of the networks of this name, in their order, from arrays by name."""
+    """Return the layers, first to last, of the networks called `name`. `arrays`: those of the surrogate's file."""
     layers: list[Layer] = []
     while f"{name}_weights{len(layers)}" in arrays:
         layers.append(Layer(arrays[f"{name}_weights{len(layers)}"], arrays[f"{name}_bias{len(layers)}"]))
@@ -126,6 +126,7 @@ def evaluate(layers: Sequence[Layer], inputs: Array) -> Array:
 
 
 def _forward_pass(layers: Sequence[Layer], inputs: Array) -> Array:
+    """Compute the networks' outputs as `evaluate` does, for one block of inputs."""
     values = inputs.astype(np.float32)
     for layer in layers[:-1]:
         values = np.matmul(values, layer.weights)
@@ -134,49 +135,49 @@ def _forward_pass(layers: Sequence[Layer], inputs: Array) -> Array:
     return np.asarray(np.matmul(values, layers[-1].weights) + layers[-1].bias)
 
 
-def network_inputs(places: Array) -> tuple[Array, Array]:
-    """Compute the networks' inputs at places, shape (n, d), and the factors of their two outputs, shape (n, 2).
+def network_inputs(rows: Array) -> tuple[Array, Array]:
+    """Return the networks' inputs for n walkers, shape (n, d), and the factors of their two outputs, shape (n, 2).
 
     Speeds change most where the tilt passes the angle of friction, where feet stick. Tilt and slope change sign when
     walker and plate are mirrored. Inputs contain only products of both, and the factors are odd in them. So a walker
     without tilt on a level plate has no speed, and a mirror image the opposite one.
     """
-    of = DimensionlessNumbers(*places.T)
-    tilt = of.root_tilt**2
+    numbers = DimensionlessNumbers(*rows.T)
+    tilt = numbers.root_tilt**2
     odd = tilt / (tilt + SMALL_TILT_DEG)
-    against = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - of.log_friction
-    plain = of._replace(
-        slope_ratio=odd * of.slope_ratio,
-        unevenness_ratio=np.sqrt(of.unevenness_ratio),
-        wall_friction=of.closeness * of.wall_friction,
-        wall_restitution=of.closeness * of.wall_restitution,
-        log_body_ratio=of.closeness * of.log_body_ratio,
-        log_depth_ratio=of.closeness * of.log_depth_ratio,
+    log_ratio = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - numbers.log_friction
+    plain = numbers._replace(
+        slope_ratio=odd * numbers.slope_ratio,
+        unevenness_ratio=np.sqrt(numbers.unevenness_ratio),
+        wall_friction=numbers.closeness * numbers.wall_friction,
+        wall_restitution=numbers.closeness * numbers.wall_restitution,
+        log_body_ratio=numbers.closeness * numbers.log_body_ratio,
+        log_depth_ratio=numbers.closeness * numbers.log_depth_ratio,
     )
     more = (
         tilt,
-        np.clip(against, -MAX_LOG_FRICTION_RATIO, MAX_LOG_FRICTION_RATIO),
-        np.log(of.gamma),
-        of.slope_ratio**2,
-        np.hypot(of.harmonic_cos, of.harmonic_sin),
-        np.sign(of.closeness),
+        np.clip(log_ratio, -MAX_LOG_FRICTION_RATIO, MAX_LOG_FRICTION_RATIO),
+        np.log(numbers.gamma),
+        numbers.slope_ratio**2,
+        np.hypot(numbers.harmonic_cos, numbers.harmonic_sin),
+        np.sign(numbers.closeness),
     )
-    return np.column_stack([*plain, *more]), np.column_stack([odd, of.slope_ratio])
+    return np.column_stack([*plain, *more]), np.column_stack([odd, numbers.slope_ratio])
 
 
 def features(inputs: Array) -> Array:
-    """Return the features for `evaluate_smooth`: one, the inputs and their squares; shape (n, 1 + 2 d)."""
+    """Return the features for `evaluate_smooth`, shape (n, 1 + 2 d): 1, the `inputs` (n, d), and their squares."""
     near = np.clip(inputs, -MAX_FEATURE_SD, MAX_FEATURE_SD)
     return np.column_stack([np.ones(len(inputs)), near, near**2])
 
 
 def evaluate_smooth(terms: Array, weights: Array) -> Array:
-    """Evaluate a positive function of features: the exponential of their weighted sum, shape (n,)."""
+    """Return exp(`terms` @ `weights`), shape (n,), a positive function of the features `terms`, shape (n, m)."""
     return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENT_RANGE)))
 
 
 def error_factor(odd: Array) -> Array:
-    """Return a factor of errors, 0 to 1, shape (n,): 0 by symmetry without tilt on a level plate. `odd`: factors."""
+    """Return factors of errors, 0 to 1, shape (n,): 0 without tilt on a level plate. `odd`: from `network_inputs`."""
     return np.asarray(np.minimum(np.abs(odd).sum(axis=1), 1.0))
 
 
@@ -186,15 +187,15 @@ def error_parts(values: Array, log_error: Sequence[Layer], inputs: Array, odd: A
     return np.stack([values.std(axis=0, ddof=1), learnt * error_factor(odd)])
 
 
-def speeds_at(kind: Kind, places: Array) -> Speeds:
-    """Return the speeds of n walkers with legs of a kind, at their `places`, shape (n, numbers)."""
-    kept = load_arrays()
-    plain, odd = network_inputs(places)
-    inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]
-    values = (evaluate(select_layers(kept, kind), inputs) * odd).sum(axis=-1)
-    terms, uneven = features(inputs), places[:, DimensionlessNumbers._fields.index("unevenness_ratio")]
-    prints = uneven * evaluate_smooth(terms, kept[f"{kind}_prints"])
-    parts = error_parts(values, select_layers(kept, f"{kind}_log_error"), inputs, odd)
-    error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)
-    falls = 1.0 / (1.0 + np.exp(-evaluate(select_layers(kept, f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
+def speeds_at(kind: Kind, rows: Array) -> Speeds:
+    """Return the speeds of n walkers with legs of a kind. `rows`: their dimensionless numbers, shape (n, fields)."""
+    arrays = load_arrays()
+    plain, odd = network_inputs(rows)
+    inputs = (plain - arrays[f"{kind}_middle"]) / arrays[f"{kind}_scale"]
+    values = (evaluate(select_layers(arrays, kind), inputs) * odd).sum(axis=-1)
+    terms, uneven = features(inputs), rows[:, DimensionlessNumbers._fields.index("unevenness_ratio")]
+    prints = uneven * evaluate_smooth(terms, arrays[f"{kind}_prints"])
+    parts = error_parts(values, select_layers(arrays, f"{kind}_log_error"), inputs, odd)
+    error = np.sqrt(arrays[f"{kind}_error"] ** 2 @ parts**2)
+    falls = 1.0 / (1.0 + np.exp(-evaluate(select_layers(arrays, f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
     return Speeds(values.mean(axis=0), error, prints, falls, values)

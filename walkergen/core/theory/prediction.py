@@ -66,7 +66,7 @@ class PredictedSpeed(NamedTuple):
 
 
 def make_speed(key: str, value: float, sd: float, ends: Bounds) -> Quantity:
-    """Return a speed (mm/s) with a standard deviation and its bounds `ends`: low 95 and 68 %, high 68 and 95 %."""
+    """Return a speed as a quantity called `key`: value, standard deviation and bounds `ends`, all in mm/s."""
     return Quantity(key, "mm_s", value, sd, ends=ends)
 
 
@@ -153,7 +153,7 @@ def describe_briefly(row: Prediction) -> str:
 
 
 def describe_speed(row: Prediction) -> str:
-    """Describe a walker's predicted speed in a line: that of a print with its bounds, and that as designed."""
+    """Describe a walker's predicted speed in a line: of a printed copy, with bounds, and of the walker as designed."""
     speed, nominal = row.speed.value, row.nominal.value
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
@@ -177,12 +177,12 @@ def _format_nominal(row: Prediction) -> str:
 
 
 def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
-    """Return the inputs of a surrogate prediction: uncertain values, the print, and both models' errors."""
+    """Return the random inputs of a prediction: uncertain keys, scatter of prints, errors of surrogate and model."""
     return (*uncertain_inputs.inputs(scene, design, PREDICTION_READER), PRINT_INPUT, SURROGATE_INPUT, MODEL_INPUT)
 
 
 def speeds_with_errors(case: SurrogateCase, drawn: Drawn) -> Array:
-    """Return the walker's speeds (mm/s) at n draws of `prediction_inputs`, all errors included, shape (n,)."""
+    """Return the walker's speed (mm/s), with all errors, for each of n draws of `prediction_inputs`, shape (n,)."""
     speeds = speeds_of_prints(case, case.speeds_at_draws(drawn), drawn)
     return np.asarray(speeds + case.sign * model_error_sd(speeds, case.scene) * drawn.columns[MODEL_INPUT.name])
 
@@ -190,8 +190,8 @@ def speeds_with_errors(case: SurrogateCase, drawn: Drawn) -> Array:
 def speeds_of_prints(case: SurrogateCase, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
     """Return the speeds of n printed walkers at `drawn` inputs, without the model's error, mm/s, shape (n,).
 
-    `speeds` are those of the surrogate's networks at the drawn inputs. `shift` is added to them on the networks'
-    scale. A mirror image has mirrored errors.
+    `speeds` are the outputs of the surrogate's networks at the drawn inputs. `shift` is added to them on the networks'
+    scale. The mirror image of a walker has mirrored errors.
     """
     columns = drawn.columns
     deviation = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
@@ -199,12 +199,12 @@ def speeds_of_prints(case: SurrogateCase, speeds: Speeds, drawn: Drawn, shift: A
 
 
 def model_error_sd(speed: Array | float, scene: Scene) -> Array:
-    """Return the standard deviation of the model's structural error at some speeds, mm/s, of the same shape."""
+    """Return the standard deviation of the model's structural error at `speed`, both in mm/s and of one shape."""
     return np.asarray(scene.prediction.model_sd * np.abs(speed))
 
 
 def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
-    """Compute a speed: 0 by statics, or else by the surrogate at `drawn` inputs. Raises UnknownError outside both."""
+    """Compute a speed: 0 by statics, else by the surrogate at `drawn` inputs. Raises UnknownError outside both."""
     if reason := standing_reason(scene, design, mass):
         rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
         return PredictedSpeed(rest, rest._replace(key="speed"), "statics", reason)
@@ -234,7 +234,7 @@ def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple
 
 
 def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
-    """Draw the `prediction_inputs` that a speed and its bounds are computed from."""
+    """Draw DRAW_COUNT values of each of the `prediction_inputs`, with a fixed seed: the same in every call."""
     inputs = prediction_inputs(scene, design)
     return uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED))
 
@@ -325,7 +325,7 @@ def make_row(
 
 
 def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode, by_foot: Stationary) -> str:
-    """Return a remark on zero friction, or the other mode's speed if beyond `REPORTED_DIFFERENCE`; otherwise ""."""
+    """Return a remark: on zero friction, or on the other mode's speed if it differs by REPORTED_DIFFERENCE; else ""."""
     contact = scene.contact
     if contact.friction == 0.0:
         return "friction 0: every speed is stationary; this is the limit friction -> 0"

@@ -28,7 +28,7 @@ class Factors(NamedTuple):
 
     @property
     def mean(self) -> Array:
-        """Mean factor of the feet, which is that of a walker whose feet have equally many impacts."""
+        """Mean factor of the feet: the factor of a walker whose feet have equally many impacts."""
         return np.asarray(sum(self.feet) / len(self.feet))
 
 

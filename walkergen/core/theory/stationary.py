@@ -81,14 +81,14 @@ def _average_equal_feet(feet: Factors) -> Stationary:
 def _foot_value(
     own_value: float | None, scene_value: float | Array, nominal: float | None, upper_limit: float = math.inf
 ) -> float | Array:
-    """Return a foot's friction or restitution: `scene_value`, or if it has one, its own times scene_value / nominal."""
+    """Return a foot's friction or restitution: `own_value` times scene_value / nominal; if None `scene_value`."""
     if own_value is None:
         return scene_value
     return own_value if nominal is None else scale_proportionally(own_value, scene_value, nominal, upper_limit)
 
 
 def _format_note(design: Design, note: str, shares: Array) -> str:
-    """Return a balance's `note` with the feet's shares of impacts, if of shape (feet,), and a remark on turning."""
+    """Return the `note` of a balance with shares of impacts added, if of shape (feet,), and a remark on turning."""
     if shares.ndim == 1:
         percent = " : ".join(f"{100 * share:.0f}" for share in shares)
         note += f" (impacts from back to front {percent} %)"
@@ -118,7 +118,7 @@ def project_to_plane(design: Design, mass: MassProperties) -> Planar:
 
 
 def _merge_legs(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
-    """Merge legs side by side into one leg of the plane."""
+    """Return one leg, with its masses, that represents a group of equal legs side by side."""
     (limb, leg), legs = group[0], [leg for _, leg in group]
     return (
         limb._replace(width=sum(limb.width for limb, _ in group)),
@@ -151,11 +151,11 @@ def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
 
 def _largest_acceleration(scene: Scene) -> float:
     """Return an upper bound of the plate's acceleration, mm/s^2, with its second harmonic."""
-    return scene.drive.peak_gamma * GRAVITY * (1.0 + 4.0 * scene.drive.second_harmonic_ratio)
+    return scene.drive.peak_gamma * GRAVITY * (1.0 + 4.0 * scene.drive.second_harmonic_ratio)  # (2 omega)^2
 
 
 def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
-    """Return the acceleration of a body on its legs over the plate's; infinite beyond their resonance."""
+    """Return the peak acceleration of a body on elastic legs over the plate's; infinite at and above resonance."""
     modulus = 1e9 * design.material.youngs_modulus_gpa
     load = float(mass.total) * GRAVITY / (2 * len(design.limbs))
     tip = tip_stiffness(scene, design.material)
@@ -167,7 +167,7 @@ def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
 
 
 def _vertical_compliance(limb: Limb, modulus: float) -> float:
-    """Return the vertical compliance of a bent and pressed leg with a sliding foot, s^2/g. `modulus`: Young's, Pa."""
+    """Return the vertical compliance of a leg on a sliding foot, bent and compressed, s^2/g. `modulus`: Young's, Pa."""
     compliance = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
     if not limb.rigid:
         compliance += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))

@@ -77,10 +77,10 @@ class SurrogateCase:
         """Peak speed of the plate, mm/s. The surrogate's speeds are ratios to it."""
         return self.scene.drive.peak_speed
 
-    def speeds_at(self, place: DimensionlessNumbers) -> Speeds:
-        """Return the speeds of walkers with these numbers. A number outside the sampled range counts as its end."""
+    def speeds_at(self, numbers: DimensionlessNumbers) -> Speeds:
+        """Return the speeds of walkers with these `numbers`, which are limited to the sampled ranges."""
         kind = self.design.kind
-        speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(place), *_input_bounds(kind)))
+        speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(numbers), *_input_bounds(kind)))
         return speeds._replace(centre=self.sign * speeds.centre)
 
     @cached_property
@@ -94,30 +94,30 @@ class SurrogateCase:
         return self.to_mm_s(self.predicted)
 
     def to_mm_s(self, speeds: Speeds) -> tuple[float, float]:
-        """Convert the first of `speeds` and its standard error to mm/s."""
+        """Return the first of `speeds` and its standard error, converted from the networks' scale to mm/s."""
         slope = LINEAR_BELOW * math.cosh(speeds.centre[0])
         return self.peak_speed * float(speeds.speed_ratios(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
 
     def is_certain(self, speeds: Speeds) -> bool:
-        """Return whether the error (95 %) of the first of `speeds` is at most `allowed_error`."""
+        """Return whether the first of `speeds` has an error (95 %) of at most `allowed_error`."""
         speed, se = self.to_mm_s(speeds)
         return bool(NORMAL_95 * se <= allowed_error(speed))
 
     def speeds_at_draws(self, drawn: Drawn) -> Speeds:
-        """Return the walker's speeds at drawn values of the uncertain inputs."""
+        """Return the walker's speed for each random draw of the uncertain inputs, on the networks' scale."""
         return self.speeds_at(self.numbers.with_inputs(self.design, self.scene, drawn))
 
 
 def allowed_error(speed: Array | float) -> Array:
-    """Return the largest error (95 %) with which the surrogate states these speeds, mm/s, of the same shape."""
+    """Return the largest error (95 %) with which the surrogate may state a `speed`, both in mm/s and of one shape."""
     return np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
 
 
 def case_in_domain(scene: Scene, design: Design, mass: MassProperties, only_certain: bool = True) -> SurrogateCase:
-    """Return a walker within the surrogate's domain, as a case that computes its speeds.
+    """Return the case of a walker within the surrogate's domain. Its methods compute the walker's speeds.
 
-    Raises FallsError for a walker that almost surely falls over. Raises UnknownError, with the reason, for one that may
-    fall, is outside the domain, or has too large an error. `only_certain=False` accepts any error.
+    Raises FallsError for a walker that almost surely falls over. Raises UnknownError, with the reason, for a walker
+    that may fall, is outside the domain, or has too large an error. `only_certain=False` accepts any error.
     """
     for reason in domain_violations(scene, design):
         raise UnknownError(reason)
@@ -163,13 +163,13 @@ COVERED_KEYS = {
 """Keys of other tables that the surrogate reads, or that it draws."""
 
 GOVERNING_KEY = {key: number for number, keys in DEPENDENT_KEYS.items() for key in (number, *keys)}
-"""Numbers that keys depend on: without them the keys have no effect."""
+"""For each key, the key whose number must differ from 0 for it to have an effect."""
 
 
 def scene_violations(scene: Scene) -> list[str]:
     """Return a text for each key of a scene with a value outside the surrogate's training set.
 
-    Keys that depend on a number count only if it is not 0.
+    A key that depends on another key (GOVERNING_KEY) counts only if the other one is not 0.
     """
     reasons = []
     for name in type(scene).model_fields:
@@ -186,14 +186,14 @@ def scene_violations(scene: Scene) -> list[str]:
 
 
 def _input_bounds(kind: Kind) -> Array:
-    """Return the lower and upper ends of the sampled dimensionless numbers for a kind of legs, shape (2, numbers)."""
+    """Return the smallest and largest sampled dimensionless numbers for a kind of legs, shape (2, fields)."""
     ranges = networks.training_facts()["ranges"][kind]
     return np.array([ranges[name] for name in DimensionlessNumbers._fields]).T
 
 
-def _check_ranges(kind: Kind, place: DimensionlessNumbers) -> None:
-    """Raise UnknownError for a walker with a number outside the sampled range."""
-    for name, value, low, high in zip(DimensionlessNumbers._fields, place, *_input_bounds(kind), strict=True):
+def _check_ranges(kind: Kind, numbers: DimensionlessNumbers) -> None:
+    """Raise UnknownError if one of a walker's numbers lies outside its sampled range."""
+    for name, value, low, high in zip(DimensionlessNumbers._fields, numbers, *_input_bounds(kind), strict=True):
         margin = RANGE_MARGIN * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:
             words, ends = dimensionless.describe_number(name, low, high)

@@ -55,7 +55,7 @@ class Input(NamedTuple):
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
-    """Return the inputs with a standard deviation above 0 that `reader` uses: PREDICTION_READER or SPACE_READER."""
+    """Return the uncertain inputs (standard deviation above 0) that PREDICTION_READER or SPACE_READER uses."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     candidates = (
@@ -92,7 +92,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
 
 
 def _tip_radius(scene: Scene) -> Input:
-    """Return the effective radius of the tips, um, as an input that is cut off at three standard deviations."""
+    """Return the distribution of the tips' effective radius, um, cut off at three standard deviations."""
     radius, factor = scene.feet.tip_radius_um, scene.feet.tip_radius_sd_factor
     factor = PRIORS[scene.contact.prior].tip_radius_sd_factor if factor is None else factor
     ends = radius / factor**3, radius * factor**3
@@ -100,7 +100,7 @@ def _tip_radius(scene: Scene) -> Input:
 
 
 def _motor_inputs(drive: Drive) -> tuple[Input, ...]:
-    """Return the inputs of a motor, cut off at half and twice their values; none of a plate."""
+    """Return distributions of a motor's frequency and moment, cut off at half and twice the mean; () for a plate."""
     if drive.kind == "plate":
         return ()
     pace, moment = drive.frequency, drive.eccentric_moment
@@ -124,18 +124,18 @@ class Drawn(NamedTuple):
     number: int
 
     def input_values(self, name: str, nominal: float) -> Array:
-        """Return the drawn values of an input, shape (number,), or `nominal` that often if it is not drawn."""
+        """Return the drawn values of the input `name`, shape (number,); `nominal` everywhere if it is not uncertain."""
         return self.columns.get(name, np.full(self.number, nominal))
 
 
 def label_columns(quantities: Sequence[Input], values: Array) -> Drawn:
-    """Return drawn `values`, shape (count, inputs), by the names of their inputs."""
+    """Return `Drawn` with the columns of `values`, shape (count, inputs), by the names of the inputs `quantities`."""
     columns = {quantity.name: values[:, column] for column, quantity in enumerate(quantities)}
     return Drawn(columns, len(values))
 
 
 def sample_inputs(quantities: Sequence[Input], count: int, seed: int) -> Array:
-    """Draw the inputs, shape (count, inputs), evenly spread by `lattice_points`. The array is cached and read-only."""
+    """Return `count` draws of the inputs, shape (count, inputs), evenly spread by `lattice_points`, read-only."""
     return _sample_inputs(tuple(quantities), count, seed)
 
 
@@ -159,7 +159,7 @@ LATTICE_VECTOR = (
 
 
 def lattice_points(dimension: int, count: int, seed: int) -> Array:
-    """Return points of a lattice with a random shift in the unit cube, shape (count, dimension), dimension <= 32.
+    """Return points of a randomly shifted lattice in the unit cube, shape (count, dimension), dimension <= 32.
 
     The first 2^m points are evenly spread. Errors of bounds over 512 of them are 0.4 to 0.8 of those with random
     numbers, and up to a third larger than with Sobol points, whose import takes a third of a second.
@@ -191,7 +191,7 @@ def input_quantiles(law: Input, shares: Array) -> Array:
 
 
 def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
-    """Return changed copies of scene and design, and masses, with inputs set to `values`, by name.
+    """Return copies of scene and design, and the masses, with the inputs named in `values` set to these values.
 
     Other inputs are unchanged. Feet of another material change in proportion to the scene's contact. Raises
     GeometryError for legs that cannot be built so thick.
@@ -215,9 +215,9 @@ def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> t
 
 
 def scale_proportionally(own: float, drawn: Any, nominal: float, upper_limit: float = math.inf) -> Any:
-    """Return `own`, another material's friction or restitution, times drawn / nominal, up to `upper_limit`.
+    """Return `own`, a foot's own friction or restitution, times drawn / nominal, up to `upper_limit`.
 
-    `nominal` is the scene's value and `drawn` a draw of it, a float or an array. If `nominal` is 0, `own` is returned.
+    `nominal` is the scene's value, `drawn` its value in a draw or several. If `nominal` is 0, `own` is returned.
     """
     return own + 0.0 * drawn if nominal == 0.0 else np.minimum(own * (drawn / nominal), upper_limit)
 
@@ -279,7 +279,7 @@ def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Arr
 
 
 def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """Return first-order and total shares of a function's variance, shape (2, inputs). See `variance_shares`."""
+    """Return each input's first-order and total share of a function's variance, as `variance_shares`: (2, inputs)."""
     from scipy.stats import sobol_indices
 
     if not quantities:
@@ -290,7 +290,7 @@ def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array
 
 
 def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
-    """Return shares by name, largest total first, from values and standard errors, each of shape (2, inputs)."""
+    """Return the inputs' shares of a variance, largest total first. `values`, `errors`: first, total, (2, inputs)."""
     from walkergen.core.numerics.quantity import Quantity
 
     rows = [
@@ -306,8 +306,8 @@ def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tu
 class _Law(NamedTuple):
     """Distribution of an input with the interface of scipy.stats."""
 
-    one: Input
+    input: Input
 
     def ppf(self, shares: Array) -> Array:
-        """Return quantiles at `shares`, probabilities in (0, 1)."""
-        return input_quantiles(self.one, shares)
+        """Return quantiles of the input at `shares`, probabilities in (0, 1)."""
+        return input_quantiles(self.input, shares)
