@@ -77,7 +77,7 @@ class Summary(NamedTuple):
 
 
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
-    """Return a function that simulates one run of `plan`, with the arguments of `OneRun`: its number is the seed.
+    """Return a function that simulates one run of `plan`, with the arguments of `OneRun`. The run's number is its seed.
 
     If `impacts` is true, each run keeps a record of all its impacts. With a `sample_interval` (s) it also keeps samples
     of the entries of its state that a trajectory shows, `space.state.TRAJECTORY_COLUMNS`.
@@ -120,9 +120,9 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
 def common_orbit(speeds: Array, plate_speed: float) -> str:
     """Return the name of the orbit that all runs end on: ORBIT, REST (no motion), or "" if their speeds differ.
 
-    Arguments: mean speeds of the runs, shape (n,), mm/s, and the peak speed of the plate, mm/s. Fewer than MIN_RUNS
-    runs give "". A walker that a periodic plate drives and that starts at random repeats its motion every whole number
-    of drive periods, or never. Only in the first case can all runs have one speed.
+    `speeds`: mean speeds of the runs, shape (n,), mm/s. `plate_speed`: the plate's peak speed, mm/s. Fewer than
+    MIN_RUNS runs give "". A walker on a periodic plate that starts at random repeats its motion every whole number of
+    drive periods, or never. Only in the first case can all runs have one speed.
     """
     if len(speeds) < MIN_RUNS or float(np.ptp(speeds)) > MAX_SPEED_DIFFERENCE * plate_speed:
         return ""

@@ -58,7 +58,7 @@ class Plan(NamedTuple):
         return self._replace(world=coarser(self.world, factor))
 
     def sample_print(self, rng: np.random.Generator) -> "Plan":
-        """Return the plan of one run: uneven feet, plate noise and roughness, if simulated, are drawn at random."""
+        """Return the plan of one run, with uneven feet, plate noise and roughness drawn at random if simulated."""
         return self._replace(world=model.sample_world(self.case, self.resolved, self.world, rng))
 
     def initial_state(
@@ -72,7 +72,7 @@ class Plan(NamedTuple):
         return int(steps.advance(self.world, state, seconds, tally))
 
     def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
-        """Return a function of a time (s) that does what `advance` does, but looks up the machine code only once."""
+        """Return a function that advances `state` by a time (s) as `advance` does, but looks up its code only once."""
         code = kernels.entry_point(steps.advance, self.world, state, 1.0, tally)
         return lambda seconds: int(code(self.world, state, seconds, tally))
 

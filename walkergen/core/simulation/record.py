@@ -66,8 +66,8 @@ def new_tally(
 ) -> Tally:
     """Return an empty record of a run of `duration` seconds.
 
-    With a `sample_interval` (s) there is space for samples, each of the leading `sample_size` entries of a state. There
-    is space for `event_room` impacts.
+    With a `sample_interval` (s), it has space for samples of the first `sample_size` entries of a state. It also has
+    space for `event_room` impacts.
     """
     sample_count, interval = 0, math.inf
     if sample_interval is not None:
@@ -78,9 +78,9 @@ def new_tally(
 
 
 def energy_error(sums: Array, energy_gain: float, initial_energy: float) -> float:
-    """Return the energy that a tally's `sums` do not account for, over the energy exchanged (a share, >= 0).
+    """Return the energy that a tally's `sums` do not account for, as a share (>= 0) of the energy exchanged.
 
-    The motion began with `initial_energy` and gained `energy_gain` (g mm^2/s^2).
+    The walker's energy was `initial_energy` at first and has grown by `energy_gain`, both in g mm^2/s^2.
     """
     work = sums[PLATE_WORK]
     losses = sums[IMPACT_LOSS] + sums[FRICTION_LOSS] + sums[DAMPING_LOSS]
@@ -111,7 +111,7 @@ def add_impulse(sums, kind, F_y):
 
 @kernel
 def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
-    """Append an impact to `events`, unless full. Arguments: those of a row of `Events`, `foot` the contact's number."""
+    """Append an impact to `events`, unless full. `foot`: number of the contact. Other arguments: as in `Events`."""
     row = events.cursor[0]
     if row < events.rows.shape[0]:
         events.rows[row, 0] = t

@@ -74,7 +74,7 @@ class RunResult(NamedTuple):
     tally: record.Tally
     cpu_s: float
     places: Array
-    """Place in the plate's plane (along x, to the left of it, mm) and heading (rad) at the ends of
+    """Position in the plate's plane (along x, and to the left, mm) and heading (rad) at the ends of
     the blocks, shape (blocks + 1, 3)."""
 
 
@@ -88,7 +88,7 @@ def compile_kernels(plan: Plan) -> float:
 
 
 def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
-    """Return the plan of run `number`, with its own print and plate, and its initial state.
+    """Return the plan of run `number`, with feet and plate drawn at random for this run, and the initial state.
 
     The walker drops from 0.5 to 1.5 amplitudes over the plate, at a random phase of the drive, pitch and roll.
     """
@@ -104,7 +104,7 @@ def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
 def sample_drop(
     plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
 ) -> tuple[Plan, Array]:
-    """Return the plan and initial state of one walker, drawn at random as for `drop_for_run`.
+    """Return the plan and initial state of one walker, both drawn at random from `rng` as for `drop_for_run`.
 
     `common_phase` (rad) of the drive replaces a random one, for walkers on one plate. `heading` is in rad.
     """
@@ -198,7 +198,7 @@ def simulate(
 
 
 def _block_distances(poses: Array, on_plane: bool) -> Array:
-    """Return distances per block, mm: along x, or the mean heading on a plane. `poses`: rows (x, y, heading)."""
+    """Return the distance run in each block, mm: along x, or along the mean heading. `poses`: rows (x, y, heading)."""
     displacements = np.diff(poses, axis=0)
     if not on_plane:
         return displacements[:, 0]
@@ -213,7 +213,7 @@ def simulate_with_impacts(
     sample_interval: float | None = None,
     sample_size: int | None = None,
 ) -> RunResult:
-    """Simulate one run as `simulate` does, with all impacts kept. It is repeated with more memory until all fit."""
+    """Simulate one run as `simulate` does, with all impacts recorded. Repeat it with more memory until all fit."""
     expected_room = FIRST_EVENT_ROOM * plan.scene.run.seconds / plan.world.drive.period
     room = 256 + int(min(expected_room, MAX_EVENT_ROOM))
     while True:
@@ -231,7 +231,7 @@ def recorded_impacts(result: RunResult) -> Array:
 
 
 def _make_advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
-    """Return a function that advances `state` in place by some seconds, fills `tally` and returns the outcome."""
+    """Return a function of a time (s) that advances `state` in place, fills `tally` and returns the outcome."""
     move = plan.advancer(state, tally)
     arena = plan.scene.arena
     half_sizes = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]

@@ -63,7 +63,7 @@ RARE_EFFECTS = (walls.NAME, walls.LID, noise.NAME, *sway.NAMES, motor.NAME, moto
 
 
 def applicable_rules(case: Case) -> tuple[Rule, ...]:
-    """Return the rules of effects that a case may have: common ones, and rare ones that its scene has or forces on."""
+    """Return the rules of effects that a scene and walker may have: common ones, and rare ones that the scene needs."""
     scene, forced = case.scene, {*case.scene.effects.on}
     needed = [rules for is_met, rules in RARE_RULES if is_met(scene) or forced & {rule.switch for rule in rules}]
     return (*COMMON_RULES, *(rule for rules in needed for rule in rules))
@@ -91,12 +91,12 @@ class Acting(NamedTuple):
     roughness: Roughness = roughness.OFF
     """Surface of one run, which draws it."""
     sway: Sway = sway.OFF
-    """Motion of the plate along itself, and what makes its height differ from place to place."""
+    """Horizontal motion of the plate, and its differences in height from point to point."""
     motor: Rotor = motor.OFF
 
 
 def acting_parameters(case: Case, on: Mapping[str, bool]) -> Acting:
-    """Return the parameters of a case's effects. `on` states by name which are simulated, the others are neutral."""
+    """Return the parameters of all effects on a walker. `on`: by name, whether simulated; others have no influence."""
     return Acting(
         slope.gravity_of(math.radians(case.scene.plate.slope_deg) if on[slope.NAME] else 0.0),
         air_drag.parameters(case) if on[air_drag.NAME] else air_drag.OFF,

@@ -50,7 +50,7 @@ def parameters(case: Case) -> Air:
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether air drag is simulated: only if forced. Its number is drag over friction, for a fast walker."""
+    """Decide whether air drag is simulated: only if forced. The number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
     forced, speed = scene.effects.forced_state(SWITCH), case.equivalent_drive.peak_speed
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
@@ -65,7 +65,7 @@ RULE = Rule(decide, SWITCH, typical_values={f"effects.{SWITCH}": True})
 
 @kernel
 def force_in_space(air, velocity):
-    """Compute the drag on a body moving at `velocity` (body axes, three entries or more, mm/s)."""
+    """Return the drag, three numbers in g mm/s^2, on a body moving at `velocity` (mm/s), both in body axes."""
     if air.ends == 0.0:
         return 0.0, 0.0, 0.0
     u, v, w = velocity[0], velocity[1], velocity[2]

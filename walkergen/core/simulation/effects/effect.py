@@ -43,7 +43,7 @@ class Rule(NamedTuple):
     """How to decide on an effect, and its keys in a scene."""
 
     decide: Callable[[Case], Effect]
-    """The effect in a case. Raises InputError where the scene contradicts itself or the design."""
+    """Function that decides on the effect. Raises InputError where the scene contradicts itself or the design."""
     switch: str = ""
     """Name in effects.on and effects.off, or key of the scene, that forces it."""
     absent_values: Mapping[str, Any] = MappingProxyType({})
@@ -60,9 +60,9 @@ class Rule(NamedTuple):
 
 
 def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """Decide whether an effect is on: if the scene's `key` is not zero, or as `switch` forces. Also return the reason.
+    """Return whether an effect is on, and why: on if the scene's `key` is not zero, or as `switch` forces.
 
-    `switch` is its name in effects.on and effects.off. Raises InputError if that forces it on while the number is zero.
+    `switch` is the effect's name in effects.on and effects.off. Raises InputError if it is forced on with `key` zero.
     """
     is_zero, reason = case.scene.is_zero(key), describe_number(case.scene, key)
     if is_zero:
@@ -86,7 +86,7 @@ def absence_reason(case: Case, switch: str, why: str) -> str:
 
 
 def apply_switch(forced: bool | None, default: bool, reason: str) -> tuple[bool, str]:
-    """Return whether an effect is on, and why: as `forced` (True or False), or by `default` if `forced` is None."""
+    """Return whether an effect is on, and why: `forced`, or `default` with its `reason` if `forced` is None."""
     if forced is None:
         return default, reason
     return forced, f"forced {'on' if forced else 'off'}; otherwise: {reason}"

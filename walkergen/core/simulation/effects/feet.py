@@ -54,7 +54,7 @@ def axial_stiffness(limb: Limb, modulus: float) -> float:
 
 
 def restitution(damping_ratio: float) -> float:
-    """Return the restitution of a mass that lands on a spring and damper, which never pull, for a ratio >= 0."""
+    """Return the restitution of a mass that lands on a spring and a damper, which never pull. Damping ratio >= 0."""
     z = damping_ratio
     if z < 1.0:
         fast = math.sqrt(1.0 - z * z)
@@ -72,7 +72,7 @@ def damping_ratio(target: float) -> float:
     low, high = 0.0, 1.0
     while restitution(high) > target:
         high *= 2.0
-    for _ in range(80):
+    for _ in range(80):  # to rounding
         middle = 0.5 * (low + high)
         if restitution(middle) > target:
             low = middle

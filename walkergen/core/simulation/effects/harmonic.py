@@ -60,7 +60,7 @@ def velocity(harmonic, phase):
 
 @kernel
 def acceleration(harmonic, phase):
-    """Return the second harmonic's part of the acceleration, over A omega^2, at a phase (rad) of the fundamental."""
+    """Return the second harmonic's part of the plate's acceleration, over A omega^2, at a fundamental's phase (rad)."""
     if harmonic.ratio == 0.0:
         return 0.0
     return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)

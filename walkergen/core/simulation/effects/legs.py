@@ -70,7 +70,7 @@ TWIST_RULE = Rule(decide_twist, TWIST_SWITCH, typical_values={f"effects.{TWIST_S
 
 
 def _describe_slowest(frequencies: Mapping[str, float]) -> str:
-    """Return a text on the slowest and the fastest leg, from `frequencies` (Hz) by leg; "" if all are equal."""
+    """Return a text that names the slowest and the fastest leg. `frequencies`: Hz, by leg. "" if all are equal."""
     if len(frequencies) < 2:
         return ""
     slow, fast = (pick(frequencies, key=frequencies.__getitem__) for pick in (min, max))

@@ -81,7 +81,7 @@ def decide(case: Case) -> Effect:
 
 
 def decide_gyroscopic(case: Case) -> Effect:
-    """Decide whether the rotor's angular momentum counts. The number is its inertia over the walker's smallest."""
+    """Decide whether the rotor's angular momentum is simulated. The number is its inertia over the body's smallest."""
     forced, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
         why = absence_reason(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")
@@ -98,7 +98,7 @@ RULES = (Rule(decide), Rule(decide_gyroscopic, SWITCH, typical_values={f"effects
 def _rotor_inertia(case: Case) -> float:
     """Return the effective inertia of the rotor about its axis, g mm^2.
 
-    The part with which the unbalanced mass only moves the walker's centre of mass is subtracted.
+    It excludes the part due to the unbalanced mass, which moves only the walker's centre of mass.
     """
     motor = case.design.driving_motor()
     disc = ROTOR_MASS_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
@@ -120,7 +120,7 @@ def motor_position(case: Case) -> Vector:
 
 
 def parameters(case: Case, with_gyroscopic_torque: bool, can_turn: bool) -> Rotor:
-    """Return the rotor of a case. `can_turn` is False for a walker that is held in its plane."""
+    """Return the rotor of the walker's motor. `can_turn` is False for a walker that is held in its plane."""
     drive, motor = case.scene.drive, case.design.driving_motor()
     along, across, up = drive.axis_vector(motor.axis)
     n = along, up, across
@@ -144,7 +144,7 @@ def _perpendicular(n: Vector) -> Vector:
     """Return a unit vector perpendicular to the unit vector n: upright if possible, otherwise forward."""
     up = (-n[1] * n[0], 1.0 - n[1] * n[1], -n[1] * n[2])
     ahead = (1.0 - n[0] * n[0], -n[0] * n[1], -n[0] * n[2])
-    chosen = up if 1.0 - n[1] * n[1] > 0.25 else ahead
+    chosen = up if 1.0 - n[1] * n[1] > 0.25 else ahead  # n more than 30 deg from upright
     size = math.hypot(*chosen)
     return chosen[0] / size, chosen[1] / size, chosen[2] / size
 
@@ -157,7 +157,7 @@ def acts(rotor):
 
 @lean
 def fill_swing(rotor, mass, phase, swung):
-    """Fill the rows of `swung`, shape (3, 3), with s (mm), s' and s'' in body axes. `mass`: the walker's, g."""
+    """Fill the rows of `swung`, (3, 3), with the body's swing s (mm) by a motor, s' and s''. `mass`: walker's, g."""
     c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
     # Eq. 8.1: s = (S/M) e
     for i in range(3):
@@ -169,16 +169,16 @@ def fill_swing(rotor, mass, phase, swung):
 
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
-    """Return the moment about C of the force or momentum `mass` times (x, y, z) at the rotor. `centre`: C -> O, mm."""
+    """Return the moment, about the walker's centre of mass, of a force or momentum `mass` (x, y, z) at the rotor."""
     p_x, p_y, p_z = (rotor.position[0] + centre[0], rotor.position[1] + centre[1], rotor.position[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
 
 @lean
 def spin(rotor, centre, mass, swung):
-    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
+    """Return the rotor's angular momentum relative to the body, about C, body axes, g mm^2/s.
 
-    `centre`: C -> O, mm; `mass`: the walker's, g; `swung`: as filled by `fill_swing`.
+    C is the walker's centre of mass, `centre` the vector from C to that of the body, mm. `swung`: from `fill_swing`.
     """
     # p x M s' + h n of eq. 8.2
     x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
@@ -187,7 +187,7 @@ def spin(rotor, centre, mass, swung):
 
 @lean
 def torque(rotor, centre, mass, swung):
-    """Return the torque of the rotor on the body about C, body axes, g mm^2/s^2. For the arguments see `spin`."""
+    """Return the rotor's torque on the body about the walker's centre of mass, body axes, g mm^2/s^2. See `spin`."""
     # p x S Omega^2 e of eq. 8.2, for s'' = -Omega^2 s
     return moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
 
@@ -202,8 +202,7 @@ def centrifugal_acceleration(rotor, mass):
 def _push_acceleration(rotor, direction, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
     """Return the acceleration along d of the body's point r that the rotor's push along `direction` causes.
 
-    It is relative to the acceleration of C. Arguments: C -> O (mm), mass (g) and inverse inertia of the body, then r
-    from C (mm) and the unit vector d, all in body axes.
+    It is relative to the acceleration of C, the walker's centre of mass. Arguments: see `largest_acceleration`.
     """
     t_x, t_y, t_z = moment_of(rotor, centre, mass, direction[0], direction[1], direction[2])
     q_x = inverse[0, 0] * t_x + inverse[0, 1] * t_y + inverse[0, 2] * t_z
@@ -220,7 +219,8 @@ def _push_acceleration(rotor, direction, centre, mass, inverse, r_x, r_y, r_z, d
 def largest_acceleration(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
     """Compute the largest acceleration (mm/s^2) along a unit vector d of the body's point r that the rotor causes.
 
-    Arguments: C -> O (mm), mass (g) and inverse inertia of the body, then r from C (mm) and d, all in body axes.
+    Arguments, in body axes: `centre`, vector from the walker's centre of mass C to that of the body, mm; `mass`, g, and
+    `inverse` inertia of the walker; r from C, mm; d.
     """
     c = _push_acceleration(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
     s = _push_acceleration(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)

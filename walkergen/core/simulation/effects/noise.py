@@ -63,7 +63,7 @@ RULE = Rule(decide, SWITCH, absent_values={KEY: 0.0}, typical_values={KEY: 0.3})
 
 
 def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
-    """Return number of samples, their interval (s), and first and last index of the frequencies in the band."""
+    """Return the number of samples, their interval (s), and the first and last index of frequencies in the band."""
     low, high = case.scene.plate.noise_band_hz
     interval = 1.0 / (SAMPLES_PER_PERIOD * high)
     count = int(min(PERIOD_S / interval, MAX_SAMPLES))

@@ -38,7 +38,7 @@ def _effect_states(effects: Sequence[Effect]) -> dict[str, bool]:
 
 
 def resolve(case: Case) -> Resolved:
-    """Return the effects of a case: which are simulated, their parameters, and keys without use.
+    """Return the effects on a walker in a scene: which are simulated, their parameters, and keys without use.
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
@@ -84,9 +84,9 @@ def _check_headings(scene: Scene, can_turn: bool) -> None:
 
 
 def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
-    """Return a line on keys that a scene sets and its simulation does not use; "" if there are none. `on`: by effect.
+    """Return a line on keys that a scene sets and its simulation does not use; "" without any.
 
-    Keys of an effect that is switched off are not reported. Neither are keys of other jobs, and standard deviations.
+    Standard deviations, and keys of other commands or of effects that are switched off (`on`), are not reported.
     """
     keys_by_reason: dict[str, list[str]] = {}
     for key, reason in _find_idle_keys(case, on):
@@ -99,7 +99,7 @@ def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
 
 
 def _find_idle_keys(case: Case, on: Mapping[str, bool]) -> Iterator[tuple[str, str]]:
-    """Yield the keys that a case does not read, each with the reason, whether the scene gives them or not."""
+    """Yield the scene's keys that the simulation does not read, each with the reason, even keys that are not given."""
     scene, limbs = case.scene, case.design.limbs
     if case.design.rigid:
         yield "legs.damping_ratio", "no leg swings"

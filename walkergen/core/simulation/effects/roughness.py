@@ -77,7 +77,7 @@ def surface(roughness, x, z):
 
 @lean
 def slope_bound(roughness):
-    """Return an upper bound of the surface's slope."""
+    """Return an upper bound of the surface's slope: the sum of those of all waves."""
     total = 0.0
     for i in range(len(roughness.waves)):
         k_x, k_z, size = roughness.waves[i, 0], roughness.waves[i, 1], roughness.waves[i, 2]

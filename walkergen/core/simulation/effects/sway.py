@@ -51,7 +51,7 @@ OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def decide_along(case: Case) -> Effect:
-    """Decide whether the plate moves horizontally. A resting body slides if the number is above 1."""
+    """Decide whether the plate moves horizontally. The number is its peak acceleration over the largest friction's."""
     on, reason = _decide_from_key(case, ALONG_KEY, "plate_along")
     shaken = math.hypot(*case.scene.plate.horizontal_ratio) * case.equivalent_drive.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
@@ -71,7 +71,7 @@ def decide_rocking(case: Case) -> Effect:
 def _decide_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
     """Decide on an effect of the plate that grows with distance from the start. Raises InputError if it is too large.
 
-    `key` is its key in the scene, `switch` its name in effects.on and effects.off, `meaning` that of its number.
+    `key`: of the scene. `switch`: name of the effect in effects.on and effects.off. `meaning`: of the effect's number.
     """
     on, reason = _decide_from_key(case, key, switch)
     per_mm, path = 0.01 * math.hypot(*case.scene.value(key)), _max_distance(case)
@@ -118,7 +118,7 @@ def check_still_plate(scene: Scene, reason: str) -> None:
 
 
 def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
-    """Return the sway of a case's plate. `on` states by name which effects are simulated."""
+    """Return the sway of the plate. `on`: by name, whether each effect is simulated."""
     if not any(on[name] for name in NAMES):
         return OFF
     plate, size = case.scene.plate, case.scene.drive.amplitude
@@ -136,14 +136,14 @@ def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
 
 
 def _slopes(size: float, percent: Sequence[float]) -> tuple[float, float]:
-    """Return slopes along x and z of a plate of amplitude `size` (mm). `percent`: its growth per mm along (x, left)."""
+    """Return slopes along x and z of a plate of amplitude `size` (mm), which grows by `percent` per mm of (x, left)."""
     along, left = percent
     return size * 0.01 * along, -(size * 0.01 * left)
 
 
 @lean
 def moves(sway):
-    """Return whether the plate sways: moves horizontally, or by different heights at different points."""
+    """Return whether the plate moves horizontally, or by different heights at different points."""
     return sway.moves
 
 

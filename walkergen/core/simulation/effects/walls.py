@@ -94,7 +94,7 @@ RULE = Rule(decide, SWITCH, absent_values={"arena": Arena(kind="plane")}, typica
 
 
 def decide_lid(case: Case) -> Effect:
-    """Decide whether a lid acts. The number is the height of a throw at the plate's peak speed over the space above.
+    """Decide whether a lid acts. The number is a hop's height, at the plate's peak speed, over the space below the lid.
 
     Raises InputError where the walker does not fit.
     """

@@ -62,7 +62,7 @@ def pass_time(world, state, t):
 
 @lean
 def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
-    """Bound how much faster (mm/s) the legs' swing may bring contact k to its surface than it moves now.
+    """Return an upper bound of the speed (mm/s) that the swing of the legs adds to contact k's approach to its surface.
 
     The surface is the plate (`side` 1), or the lid (-1). `leg` is the number of the contact's leg (-1: none), `f` the
     number of coordinates of each leg. `R` and `points` are of `Work`, `shift` and `fast` (angular frequencies squared)
@@ -101,9 +101,9 @@ def _motor_acceleration(walker, motor, points, k, d_x, d_y, d_z):
 
 @lean
 def lag_torque(walker, j, x, y, z, t_x, t_y, t_z):
-    """Compute the torque on leg coordinate j from the leg's inertia, as the body is accelerated and turned.
+    """Compute the torque on leg coordinate j, from the leg's inertia, while the body is accelerated and turned.
 
-    The acceleration of the body is (x, y, z), mm/s^2, and the torque on it t. Momenta may replace both.
+    The acceleration of the body is (x, y, z), mm/s^2, and the torque on it (t_x, t_y, t_z), g mm^2/s^2.
     """
     shift, lock = walker.shift, walker.lock
     moved = shift[0, j] * x + shift[1, j] * y + shift[2, j] * z
@@ -112,7 +112,7 @@ def lag_torque(walker, j, x, y, z, t_x, t_y, t_z):
 
 @lean
 def _add_forced_swing(walker, omega, state, phase, sign):
-    """Add the steady swing of the legs that a motor at `phase` (rad) forces in flight, times `sign`, to their state."""
+    """Add to the legs' angles and rates `sign` times the steady swing that a motor at `phase` (rad) forces."""
     n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
     for j in range(n):
         a, b = walker.forced[0, j], walker.forced[1, j]
@@ -122,7 +122,7 @@ def _add_forced_swing(walker, omega, state, phase, sign):
 
 @lean
 def _turning_energy(walker, state):
-    """Return the kinetic energy of the body's turning rate W, g mm^2/s^2."""
+    """Return the rotational kinetic energy of the walker with locked legs, g mm^2/s^2."""
     total = 0.0
     for i in range(3):
         for j in range(3):
@@ -132,10 +132,10 @@ def _turning_energy(walker, state):
 
 @lean
 def _sway_closing_rates(world, state, work, k, side, speed):
-    """Bound what a swaying plate adds to the velocity (mm/s) and acceleration (mm/s^2) at which contact k closes.
+    """Return bounds of the speed (mm/s) and acceleration (mm/s^2) that a swaying plate adds to contact k's approach.
 
-    The contact moves at `speed` (mm/s). Its surface is the plate (`side` 1) or the lid (-1). Both bounds, which are
-    returned, hold for the longest flight.
+    The contact moves at `speed` (mm/s). Its surface is the plate (`side` 1) or the lid (-1). The bounds hold for the
+    longest flight.
     """
     R, at, omega, sway = work.R, work.points[k].at, world.drive.omega, world.acting.sway
     amplitude, slope = _sway_bounds(sway)
@@ -200,7 +200,7 @@ def clear_time(world, state, work, longest):
 
 @lean
 def _swing(walker, work, state, level):
-    """Swing the legs for Options.step 2^level seconds. Return the damped energy. `work.before`: legs at the start."""
+    """Swing the legs for Options.step 2^level seconds. Save the start to `work.before`. Return the damped energy."""
     n = len(walker.stiffness)
     before = legs_energy(walker, state)
     P = walker.flights[level + HALVINGS]
@@ -217,7 +217,7 @@ def _swing(walker, work, state, level):
 
 @lean
 def legs_energy(walker, state):
-    """Return the energy of the legs, g mm^2/s^2: kinetic, with C and W given, and that of their springs."""
+    """Return the energy of the legs, g mm^2/s^2: kinetic, relative to the motion of the whole, and of their springs."""
     n, total = len(walker.stiffness), 0.0
     for i in range(n):
         total += walker.stiffness[i] * state[LEGS + i] * state[LEGS + i]
@@ -246,7 +246,7 @@ def _rotate_back(x, y, z, t_x, t_y, t_z):
 
 @lean
 def _fall(world, state, work, t, sums):
-    """Let C fall for t seconds, with constant air drag. The drag's energy is added to `sums`."""
+    """Let the walker's centre of mass fall for t seconds, with constant air drag, whose work is added to `sums`."""
     walker, now = world.walker, work.now
     g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
@@ -267,7 +267,7 @@ def _fall(world, state, work, t, sums):
 def _swing_shaken(world, state, work, t, level):
     """Swing the legs as `_swing` does, in t = Options.step 2^level seconds, about the oscillation that a motor forces.
 
-    The returned energy of their dampers leaves out that of the forced oscillation.
+    The returned energy of the legs' dampers excludes the forced oscillation.
     """
     walker, omega, phase = world.walker, world.acting.motor.omega, state[PHASE]
     _add_forced_swing(walker, omega, state, phase, -1.0)
@@ -323,7 +323,7 @@ def _turn_free(world, state, work, t):
 
 @lean
 def fly(world, state, work, t, level, sums):
-    """Fly for t = Options.step 2^level seconds. Energies of dampers, drag and motor are added to `sums`."""
+    """Move a walker without contacts for t = Options.step 2^level s. Add work of dampers, drag and motor to `sums`."""
     walker, motor = world.walker, _motor_acts(world.acting.motor)
     _fall(world, state, work, t, sums)
     if motor:

@@ -188,7 +188,7 @@ def _jams(near, H, i, h):
 def _assemble(near, H, A, m, h):
     """Fill A with the equations of the forces of m contacts in their modes `tried`. Return the number of equations.
 
-    Its first `count` columns are the matrix, the next one the right-hand side. A contact has three equations if it
+    A's first `count` columns are the matrix, the next one is the right-hand side. A contact has three equations if it
     sticks, one (the normal force) if it slides, none if it is open.
     """
     count = 0
@@ -277,7 +277,7 @@ def _set_velocities(near, H, m, h):
 
 @lean
 def _correct(near, H, m, h):
-    """Change modes, directions and linearised springs of m contacts that the forces contradict. Return how many."""
+    """Correct modes, directions and linearized springs that contradict the forces. Return the number of corrections."""
     changed = 0
     for i in range(m):
         if near[i].gap[0] > 0.0 and _landing_changes(near, H, i, h):
@@ -318,7 +318,7 @@ def _correct(near, H, m, h):
 
 @lean
 def _landing_changes(near, H, i, h):
-    """Compute again when contact i, open as the step began, touches. Return whether its mode or share changes."""
+    """Correct when contact i, open at the start of the step, touches. Return whether its mode or share changes."""
     r, u = 3 * i, near[i].middle[0]
     if near[i].tried == OPEN:
         share = _closed_share(near, i, u, h)
@@ -342,7 +342,7 @@ def _landing_changes(near, H, i, h):
 
 @lean
 def _limit_to_cone(near, m, h):
-    """Cut forces to the friction cone where modes found no agreement or a foot jams. Return whether any was cut."""
+    """Limit forces of sticking contacts to the friction cone if corrections failed. Return whether any was limited."""
     cut = False
     for i in range(m):
         limit = near[i].friction * near[i].force[0]

@@ -87,8 +87,8 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
 def _rate_acceleration(state, now, points, side, leg, f, n, k):
     """Return the acceleration of contact k from the rates alone (centripetal, Coriolis), body axes, mm/s^2.
 
-    It changes velocities while Jacobians are frozen. `side` is the point's place across its leg, `leg` the leg's number
-    (-1: none), `f` the number of coordinates of each leg, n that of all legs.
+    It changes velocities while Jacobians are frozen. `side` is the point's offset (mm) across its leg, `leg` the number
+    of the leg (-1: none), `f` the number of coordinates of each leg, n that of all legs.
     """
     w_x, w_y, w_z = now[3], now[4], now[5]
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
@@ -165,8 +165,8 @@ def _motor_point_acceleration(now, thrown):
 def _fill_directions(world, state, work, near, plate_speed, t, m):
     """Fill Jacobians and spring constants of the m contacts in `near`, for a frame of t seconds.
 
-    Fill also what the plate, which starts at `plate_speed` (mm/s), and the rates alone give to their velocities and
-    accelerations.
+    Also fill the parts of their velocities and accelerations that come from the plate, which starts at `plate_speed`
+    (mm/s), and from turning rates.
     """
     walker, R, J, points = world.walker, work.R, work.J, work.points
     upward_acceleration = plate_acceleration(world, state)
@@ -247,7 +247,7 @@ def sway_work(near, m, t):
 def fill_frame(world, work, plate_speed, t, m):
     """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame of t seconds.
 
-    It starts with the plate at `plate_speed` (mm/s, upward).
+    At its start the plate moves at `plate_speed` (mm/s, upward).
     """
     state = work.midway
     near, J = work.near, work.J
@@ -294,7 +294,7 @@ def plate_acceleration(world, state):
 
 @lean
 def fill_accelerations(world, state, work):
-    """Fill `work.acting`, the accelerations of C and W without contact: gravity, air drag, rotation, motor."""
+    """Fill `work.acting`, linear and angular acceleration without contacts: by gravity, drag, rotation and motor."""
     walker, R, now, acting = world.walker, work.R, work.now, work.acting
     g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
@@ -321,7 +321,7 @@ def fill_accelerations(world, state, work):
 
 @lean
 def _add_motor_acceleration(world, work):
-    """Add a motor's turning of the body to `work.acting`. Fill `work.left`, the torques on legs that lag behind."""
+    """Add the angular acceleration by a motor to `work.acting`. Fill `work.left`, the torques on lagging legs."""
     walker, inverse, thrown = world.walker, world.walker.inverse_inertia, work.thrown
     p_x, p_y, p_z = _motor_torque(world.acting.motor, walker.centre, walker.mass, thrown)
     for row in range(3):

@@ -59,7 +59,7 @@ Array = npt.NDArray[np.float64]
 def initial_state(
     world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
 ) -> State:
-    """Create a state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
+    """Return the state of a relaxed walker at rest in the laboratory, its lowest corner `clearance` mm over the plate.
 
     The body is rolled about its own x axis, then pitched, then turned; angles in rad. A walker that is held in its
     plane does not roll.
@@ -95,7 +95,7 @@ def turn_to(state: State, heading: float) -> None:
 
 
 def _set_motor_rates(world: World, state: State, work: Work) -> None:
-    """Set W in `state`, and `work`, so that the body oscillates with its motor without lasting rotation."""
+    """Set the turning rate in `state`, and `work`, so that the body oscillates with its motor and does not spin."""
     walker, rotor = world.walker, world.acting.motor
     if motors.acts(rotor):
         still = rotor._replace(spin=(0.0, 0.0, 0.0))
@@ -164,12 +164,12 @@ def mirror_state(walker: Walker, state: State) -> State:
 
 
 def pose(state: State) -> tuple[float, float, float]:
-    """Return the position of O in the plate's plane (along x, and to the left of it, mm) and the heading (rad)."""
+    """Return position (along x, and to its left, mm) of the body's centre of mass, and heading (rad), from above."""
     return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
 
 
 def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
-    """Return the world of one run: with its own printed feet and plate, drawn if the scene requires it."""
+    """Return the world of one run, with uneven feet, plate noise and roughness drawn at random if simulated."""
     walker, acting = world.walker, world.acting
     if resolved.is_on(UNEVENNESS):
         corners = walker.wall_distance == 0.0

@@ -42,11 +42,11 @@ def leg_axis(limb: Limb) -> Array:
 
 
 def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool, lidded: bool) -> dict[str, Any]:
-    """Return the arrays of contact points that `Walker` needs, by their names there, and `foot`.
+    """Return arrays of contact points, by the names of the fields of `Walker`, and a further array, `foot`.
 
     Points are both corners of every foot, then those of the body if there are walls (`walled`) or a lid (`lidded`),
-    each from back to front. `foot` is the number of the leg whose foot a point is, -1 for the body. `centre`: C from O,
-    mm. `free`: numbers of the legs that swing.
+    each from back to front. `foot` is the number of the leg whose foot a point is, -1 for the body. `centre`: the
+    walker's centre of mass from the body's, mm. `free`: numbers of the legs that swing.
     """
     design, mass = case.design, case.mass
     rows: list[Any] = []  # of leg, root, reach, side, axis, wall distance (see `Walker`) and foot
@@ -90,7 +90,7 @@ def _order_from_back(points: Array) -> Any:
 
 
 def body_hull(design: Design, mass: MassProperties, centre: Array) -> Array:
-    """Return points of the body's convex hull, shape (n, 3), mm, from C. `centre` is C from O, mm."""
+    """Return points of the body's hull, (n, 3), mm, from the walker's centre of mass. `centre`: it from the body's."""
     corners = _box_corners(design) if design.body.plain else _hull_points(design.body.cache_key).copy()
     corners[:, :2] = to_centre_frame(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)
@@ -104,15 +104,15 @@ def _box_corners(design: Design) -> Array:
 
 
 @lru_cache(maxsize=64)  # every run of every print asks for it, and hulls of large meshes take a second
-def _hull_points(keys: str) -> Array:
-    """Return points of the hull of a body, shape (n, 3) with n <= MAX_HULL_POINTS, from its middle, mm.
+def _hull_points(cache_key: str) -> Array:
+    """Return points of a body's convex hull, shape (n, 3) with n <= MAX_HULL_POINTS, mm from its middle.
 
-    `keys`: the body's `cache_key`.
+    `cache_key`: that of the body, which contains its keys.
     If the hull has more corners, the outermost points in `MAX_HULL_POINTS` evenly spread directions represent it.
     """
     from scipy.spatial import ConvexHull
 
-    vertices = _solid_vertices(keys)
+    vertices = _solid_vertices(cache_key)
     hull = vertices[np.unique(ConvexHull(vertices).vertices)]
     if len(hull) <= MAX_HULL_POINTS:
         return np.array(hull)
@@ -124,9 +124,9 @@ def _hull_points(keys: str) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _solid_vertices(keys: str) -> Array:
+def _solid_vertices(cache_key: str) -> Array:
     """Return the vertices of the body with this `cache_key`, shape (n, 3), from its middle, mm."""
-    shape = resolve.shape_of(Body.model_validate_json(keys))
+    shape = resolve.shape_of(Body.model_validate_json(cache_key))
     return np.asarray(shape.solid().vertices - (0.0, 0.0, 0.5 * shape.size.depth))
 
 
@@ -159,7 +159,7 @@ def _lid_points(design: Design) -> Array:
 
 
 def _directions(*slopes: float) -> Array:
-    """Return vectors in `DIRECTION_COUNT` horizontal directions, for each upward slope, shape (n, 3)."""
+    """Return vectors that rise by each of the `slopes` in DIRECTION_COUNT horizontal directions, shape (n, 3)."""
     turn = (np.arange(DIRECTION_COUNT) + 0.5) * 2.0 * math.pi / DIRECTION_COUNT
     flat = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
     return np.concatenate([np.array([0.0, slope, 0.0]) + flat for slope in slopes])

@@ -59,7 +59,7 @@ def plate_velocity(world, state):
 
 @lean
 def plate_sway(world, state):
-    """Return the displacements of a swaying plate along x and z, mm, then its slopes along both."""
+    """Return the plate's displacements along x and z, mm, then its slopes along both; zeros if it does not sway."""
     if not _sways(world.acting.sway):
         return 0.0, 0.0, 0.0, 0.0
     return _sway_displacements(world.acting.sway, state[PHASE])
@@ -192,10 +192,10 @@ def fill_points(world, state, work):
 
 @lean
 def surface_normal(roughness, swayed, wall_distance, state, R, points, k):
-    """Return the normal of the surface at contact k, in the world. On the plate its vertical part is 1.
+    """Return the normal of the surface at contact k, in world axes. On the plate its vertical part is 1.
 
-    `wall_distance` is the contact's entry of `Walker.wall_distance`. `swayed`
-    is the result of `plate_sway`, `R` the rotation from body axes to the world.
+    `wall_distance` is the contact's entry of `Walker.wall_distance`. `swayed` is the result of `plate_sway`, `R` the
+    rotation from body axes to world axes.
     """
     s_x, s_z, t_x, t_z = swayed
     if wall_distance < 0.0:

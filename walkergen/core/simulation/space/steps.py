@@ -63,7 +63,7 @@ MAX_MOTOR_TURN_RAD = 0.5
 
 @lean
 def _turn_stretches(walker, state, turned):
-    """Turn the tangential springs' stretches on plate and lid against the heading, which has turned by `turned` rad."""
+    """Turn the stretches of contacts with plate and lid back by `turned` rad, by which the heading has turned."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW_LENGTH * k
@@ -306,7 +306,7 @@ def _flight_level(world, state, clear):
 
 @lean
 def _has_folded_leg(walker, state):
-    """Return whether a leg has turned by 90 deg against the body, or a foot has twisted as far."""
+    """Return whether a leg has turned, or its foot twisted, by 90 deg or more against the body."""
     largest = 0.0
     for j in range(len(walker.stiffness)):
         largest = max(largest, abs(state[LEGS + j]))

@@ -68,7 +68,7 @@ class _Limbs(NamedTuple):
 
 
 def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
-    """Return the integrator's data on a case's walker, and its steps. Raises InputError without inertia tensors."""
+    """Return the simulator's data on a walker, and its time steps. Raises InputError without inertia tensors."""
     design, mass, scene = case.design, case.mass, case.scene
     if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
         raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
@@ -118,7 +118,7 @@ def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
 
 
 def _total_mass_properties(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
-    """Return the mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
+    """Return the whole walker's mass (g), its centre (mm, from the body's, at half depth), and its inertia about it."""
     masses = np.array([mass.M, *(leg.m for leg in mass.legs)], float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
     centre, inertia = centre_and_inertia(spatial, mass.legs, masses, centres)
@@ -126,7 +126,7 @@ def _total_mass_properties(mass: MassProperties, spatial: Spatial) -> tuple[floa
 
 
 def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
-    """Return the momenta of the legs' coordinates. `centre` is C from O, mm.
+    """Return momenta and inertia of the legs by their coordinates. `centre`: centre of mass from the body's, mm.
 
     With `freedoms` 1 a leg has a hinge, with 2 also a twist, linear along it and zero at its anchor.
     """
@@ -148,7 +148,7 @@ def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: 
 
 
 def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
-    """Return stiffness and damping of the coordinates of the legs with numbers `free`, shape (n,) each."""
+    """Return stiffness and damping, as in `Walker`, of the n coordinates of the legs numbered in `free`: (n,) each."""
     design, legs = case.design, case.scene.legs
     springs: list[float] = []
     dampers: list[float] = []
@@ -194,7 +194,7 @@ def _point_friction(scene: Scene, design: Design, foot: int) -> float:
 
 
 def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
-    """Return the walker with elastic contacts and flights, and its steps. `feet_of_points`: leg of a point, or -1."""
+    """Return the walker with elastic feet and tabulated flights, and its steps. `feet_of_points`: legs, or -1."""
     scene, material = case.scene, case.design.material
     of_legs = [feet.corner_contact(scene, limb, material) for limb in case.design.limbs]
     H, wall = mobility(walker), walker.wall_distance != 0.0
@@ -277,7 +277,7 @@ def _choose_step(given_us: float | None, resolving_step: float) -> float:
 
 
 def coarser(world: World, factor: float) -> World:
-    """Return the world with steps `factor` times longer, and flights tabulated for these."""
+    """Return the world with steps `factor` times longer, and flights tabulated for these steps."""
     walker, step = world.walker, factor * world.options.step
     flights = _flight_propagators(walker, step, len(walker.stiffness), world.drive.period)
     return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
