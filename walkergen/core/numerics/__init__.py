@@ -1,4 +1,4 @@
-"""Numerics that know no physics: compiled kernels, statistics, a Runge-Kutta pair; arrays by what they hold."""
+"""Numerics without physics: compiled kernels, statistics, quantities with errors; types of arrays by their content."""
 
 import numpy as np
 import numpy.typing as npt

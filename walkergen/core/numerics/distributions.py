@@ -63,7 +63,7 @@ def fisher_tail(freedom_1: float, freedom_2: float, ratio: float) -> float:
 
 
 def _incomplete_beta(a: float, b: float, x: float, y: float) -> float:
-    """Compute the regularized incomplete beta function I_x(a, b). y = 1 - x is given too, so that it has all digits."""
+    """Compute the regularized incomplete beta function I_x(a, b). `y`: 1 - x, given apart to keep all its digits."""
     if x > (a + 1.0) / (a + b + 2.0):
         return 1.0 - _incomplete_beta(b, a, y, x)
     return _beta_prefactor(a, b, x, y) * _continued_fraction(a, b, x) / a if x > 0.0 else 0.0

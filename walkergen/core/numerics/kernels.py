@@ -58,7 +58,7 @@ if _sums:
 
 
 def _register_without_blas() -> None:
-    """Import numba's mathematics without SciPy, which no kernel needs. It saves a fifth of a simulation's start."""
+    """Import numba's array functions without SciPy, which no kernel needs. It saves a fifth of a simulation's start."""
     sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
     try:
         import numba.np.arraymath  # noqa: F401
@@ -109,7 +109,7 @@ def _typeof_kernel(kernel: Kernel, context: Any) -> Any:
 
 
 def _compile(function: F, **options: Any) -> F:
-    """Compile a function to a kernel; return the function itself if the compiler is off."""
+    """Return a function as a `Kernel` with options of numba; the function itself if the compiler is off."""
     if numba.config.DISABLE_JIT:
         return function
     compiled: Any = Kernel(function, {"nogil": True, "error_model": "numpy", **options})
@@ -122,7 +122,7 @@ def kernel(function: F) -> F:
 
 
 def lean(function: F) -> F:
-    """Compile `function` into the code of its callers, without counting references. It must allocate nothing.
+    """Compile `function` for inlining into its callers, without counting references. It must allocate no memory.
 
     A call copies each number of the tuples that it takes, 1 ns each. One that passes many arrays otherwise counts a
     reference of each. That takes 0.3 us for the arrays of a walker in space, as much as one of its steps, and threads
@@ -132,7 +132,7 @@ def lean(function: F) -> F:
 
 
 def kernel_without_refcount(function: F) -> F:
-    """Compile `function` as `kernel` does, without counting references. It must allocate nothing.
+    """Compile `function` as `kernel` does, without counting references. It must allocate no memory.
 
     It is meant for functions as large as a step that are called from several places. Functions that it inlines are
     `lean`.
@@ -152,7 +152,7 @@ def entry_point(function: F, *arguments: Any) -> F:
 
 
 def typed_list(items: Iterable[Any]) -> Any:
-    """Return a list of tuples of one type for kernels, or a plain list if the compiler is off.
+    """Return `items`, tuples of one type, as a list that kernels can read; a plain list if the compiler is off.
 
     Kernels of this package fill it, because numba's own are compiled again in every process: 7 s of CPU for tuples as
     large as a walker. Its items are read with `borrow_item`.

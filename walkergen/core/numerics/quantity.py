@@ -211,7 +211,7 @@ class Quantity(NamedTuple):
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
     def _variance_bounds(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
-        """Return the bounds of `value`. Its power `self.power` is a variance, to which `noise` was added.
+        """Return the bounds of `value`, whose power `self.power` is a variance that was measured with added `noise`.
 
         The sum of variance and noise follows chi^2. If only large variances are reported (`self.least`), the lower
         bound is iterated to allow for this selection.
@@ -286,7 +286,7 @@ class Quantity(NamedTuple):
 
 
 def column_values(row: Any, *levels: int) -> dict[str, Any]:
-    """Return the fields of a named tuple by name; a quantity as columns (`Quantity.row`) with bounds of `levels` %."""
+    """Return the fields of the named tuple `row` by name, each quantity as its columns with bounds of `levels` %."""
     found: dict[str, Any] = {}
     for name, value in row._asdict().items():
         found |= value.row(*levels) if isinstance(value, Quantity) else {name: value}
@@ -307,5 +307,5 @@ def mean(key: str, unit: str, values: "Sequence[float] | Array") -> Quantity:
 
 
 def exact(key: str, unit: str, value: float) -> Quantity:
-    """Create a quantity without error, such as a definition or a closed form."""
+    """Return a quantity without error, such as a definition or the result of a formula."""
     return Quantity(key, unit, value, 0.0)

@@ -38,7 +38,7 @@ class Kind(NamedTuple):
 
 
 def machine_kind(sources: str) -> Kind:
-    """Return the `Kind` of kernels that this program and machine compile from `sources` (a digest)."""
+    """Return the `Kind` of machine code that this computer compiles. `sources`: digest of the kernels' sources."""
     from importlib.metadata import version
 
     return Kind(
@@ -48,7 +48,7 @@ def machine_kind(sources: str) -> Kind:
 
 @functools.cache
 def cpu_kind() -> str:
-    """Return LLVM's name of the kind of CPU that kernels are shipped for; "" if this CPU lacks features."""
+    """Return LLVM's name of the kind of CPU that shipped kernels need; "" if this CPU lacks some of its features."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return "generic"
     from llvmlite import binding
@@ -94,7 +94,7 @@ def _is_trusted_folder(folder: Path) -> bool:
 
 
 def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
-    """Return the checksums of the shipped kernels by file, and "". If they do not fit: {} and the reason.
+    """Return the checksums of the shipped kernels by file, and "". If they do not fit this machine: {} and the reason.
 
     If none are shipped: {} and "". `sources` is the digest of the kernels' sources. If the kernels fit, environment
     variables make numba, which is not yet imported, compile for the same kind of CPU.
@@ -111,28 +111,28 @@ def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
 
 
 def install_in_cache(sums: dict[str, str]) -> None:
-    """Make numba's cache look first among the shipped files. Imports numba. `sums`: their checksums by file."""
+    """Make numba's cache search the shipped files first. Import numba. `sums`: checksums of these files by path."""
     from numba.core import caching
 
     caching.IndexDataCacheFile = add_shipped_files(caching.IndexDataCacheFile, sums)
 
 
 def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
-    """Return a subclass of `base`, numba's class of cache files, that reads shipped ones first (`sums`: by path)."""
+    """Return a subclass of `base`, numba's class of cache files, that reads shipped files first. `sums`: by path."""
     # Subfolders of shipped kernels, by numba's names of their sources' folders
     subfolders = {
         caches.cache_subpath(caches.PACKAGE_FOLDER / name): name for name in {str(Path(path).parent) for path in sums}
     }
 
     class ShippedFile(base):  # type: ignore[misc]
-        """Shipped entries of one function, whose sums are those of the manifest."""
+        """Shipped machine code of one function, read only if files have the checksums of the manifest."""
 
         def _load_index(self) -> Any:
             """Load the index of the function's entries; empty if the file is not intact."""
             return super()._load_index() if self._is_intact(self._index_name) else {}
 
         def _load_data(self, name: str) -> Any:
-            """Load the code of one entry. Raises FileNotFoundError if the file is not intact."""
+            """Load the machine code in a file. Raises FileNotFoundError if the file is not intact."""
             if not self._is_intact(name):
                 raise FileNotFoundError(name)
             return super()._load_data(name)
@@ -144,7 +144,7 @@ def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOL
             return expected is not None and file_checksum(path) == expected
 
     class CombinedFile(base):  # type: ignore[misc]
-        """Entries of one function: shipped, or compiled here."""
+        """Machine code of one function: shipped, or compiled on this machine."""
 
         def __init__(self, cache_path: str, filename_base: str, source_stamp: Any) -> None:
             super().__init__(cache_path, filename_base, source_stamp)
@@ -153,7 +153,7 @@ def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOL
             self._shipped = None if shipped_folder is None else ShippedFile(shipped_folder, filename_base, source_stamp)
 
         def load(self, key: Any) -> Any:
-            """Load an entry: shipped, if there is one, or compiled here."""
+            """Load the machine code for a `key` of numba's index: shipped, or if missing, compiled here."""
             entry = None if self._shipped is None else self._shipped.load(key)
             return super().load(key) if entry is None else entry
 

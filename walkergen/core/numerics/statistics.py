@@ -38,7 +38,7 @@ def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, f
 
 
 def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
-    """Return quantiles of one further value, given n >= 2 independent `values`, at the probabilities `shares`.
+    """Return quantiles, at the probabilities `shares`, for the next value after n >= 2 independent `values`.
 
     Between the least and the largest value they follow Weibull's plotting positions i / (n + 1), which hold for any
     continuous distribution. Quantiles rarer than 1 / (n + 1) lie outside the values: their distance from the median is
@@ -89,7 +89,7 @@ def error_of_mean(series: Sequence[Array], interval: float, correlation: float) 
     """Estimate the standard error of the mean over all series, sampled every `interval` seconds.
 
     Two correlation times (`correlation`, s) make one independent sample. Returns None with fewer than MIN_SAMPLES. Use
-    it for too few series to take the error from the scatter of their means. It misses changes slower than a series.
+    it if there are too few series for an error from the scatter of their means. It misses changes slower than a series.
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)
