@@ -1,4 +1,4 @@
-"""Plans: a scene, a design and its masses give the world of a walker's runs."""
+"""Plans of simulations: from a scene, a design and its masses, all data that the runs of a walker need."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -141,7 +141,7 @@ def sample_inputs(quantities: Sequence[Input], count: int, seed: int) -> Array:
 
 @lru_cache(maxsize=8)
 def _sample_inputs(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
-    """Draw inputs for `sample_inputs`, or return the cached draws."""
+    """Return draws as `sample_inputs` does, cached by the arguments."""
     points = lattice_points(len(quantities), count, seed)
     columns = [input_quantiles(quantity, points[:, column]) for column, quantity in enumerate(quantities)]
     drawn = np.column_stack(columns) if columns else np.empty((count, 0))

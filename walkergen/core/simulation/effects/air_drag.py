@@ -50,7 +50,7 @@ def parameters(case: Case) -> Air:
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether air drag is simulated: only if forced. The number is drag over friction, for a fast walker."""
+    """Return the effect "air drag": on only if forced. Its number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
     forced, speed = scene.effects.forced_state(SWITCH), case.equivalent_drive.peak_speed
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY

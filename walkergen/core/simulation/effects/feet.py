@@ -97,7 +97,7 @@ def landing_stiffness(tip: float, mass: float, speed: float) -> float:
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether tips are elastic. The number is a leg corner's stiffness over its tip's, at a landing."""
+    """Return the effect "compliant tips". Number: stiffness of a leg's corner over that of its tip, at a landing."""
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:
@@ -111,7 +111,7 @@ RULE = Rule(decide, off_values={KEY: True})
 
 
 def decide_unevenness(case: Case) -> Effect:
-    """Decide whether the feet's corners differ in height. The number is their standard deviation over the amplitude.
+    """Return the effect "unevenness". Number: standard deviation of corners' heights over the plate's amplitude.
 
     Raises InputError for corners that differ as much as legs are long.
     """

@@ -27,7 +27,7 @@ OFF = Harmonic(0.0, 0.0)
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether the drive has a second harmonic. The number is its amplitude over the fundamental's."""
+    """Return the effect "second harmonic" of the drive. Its number is its amplitude over the fundamental's."""
     ratio = case.scene.drive.second_harmonic_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)

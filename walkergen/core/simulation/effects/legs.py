@@ -50,7 +50,7 @@ def decide_compliance(case: Case) -> Effect:
 
 
 def decide_twist(case: Case) -> Effect:
-    """Decide whether legs twist: on for flexible legs. The number is the lowest twist frequency over the drive's."""
+    """Return the effect "leg twist": on for flexible legs. Number: lowest twist frequency over the drive's."""
     design = case.design
     if design.rigid:
         reason = absence_reason(case, TWIST_SWITCH, "no free leg")

@@ -56,7 +56,7 @@ OFF = Rotor(0.0, 1.0, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether a motor drives the walker. The number is its push over the walker's weight.
+    """Return the effect "motor": on if a motor drives the walker. Its number is the push over the walker's weight.
 
     Raises InputError for a walker without a motor, and for an eccentric moment that is too large.
     """
@@ -81,7 +81,7 @@ def decide(case: Case) -> Effect:
 
 
 def decide_gyroscopic(case: Case) -> Effect:
-    """Decide whether the rotor's angular momentum is simulated. The number is its inertia over the body's smallest."""
+    """Return the effect "gyroscopic torque" of a motor. Its number is the rotor's inertia over the body's smallest."""
     forced, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
         why = absence_reason(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")

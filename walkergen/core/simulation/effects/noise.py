@@ -51,7 +51,7 @@ OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether the plate is noisy. The number is the noise's rms velocity over the drive's peak speed."""
+    """Return the effect "plate noise". Its number is the noise's rms velocity over the drive's peak speed."""
     ratio = case.scene.plate.noise_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     if on:

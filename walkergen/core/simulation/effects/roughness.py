@@ -36,7 +36,7 @@ OFF = Roughness(np.zeros((0, 4)))
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether the plate is rough. The number is the rms slope of its bumps."""
+    """Return the effect "plate roughness". Its number is the rms slope of the bumps."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
     on, reason = decide_from_key(case, KEY, SWITCH)

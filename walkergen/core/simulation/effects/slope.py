@@ -24,7 +24,7 @@ class Gravity(NamedTuple):
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether the plate slopes. The number is its slope over the friction coefficient."""
+    """Return the effect "plate slope". Its number is the slope over the friction coefficient."""
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
     number = math.tan(slope) / friction if friction > 0 else math.tan(slope)

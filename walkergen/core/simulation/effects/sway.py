@@ -51,7 +51,7 @@ OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def decide_along(case: Case) -> Effect:
-    """Decide whether the plate moves horizontally. The number is its peak acceleration over the largest friction's."""
+    """Return the effect "motion along the plate". Number: peak horizontal acceleration over the largest by friction."""
     on, reason = _decide_from_key(case, ALONG_KEY, "plate_along")
     shaken = math.hypot(*case.scene.plate.horizontal_ratio) * case.equivalent_drive.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
@@ -59,17 +59,17 @@ def decide_along(case: Case) -> Effect:
 
 
 def decide_gradient(case: Case) -> Effect:
-    """Decide whether the drive's amplitude differs from place to place."""
+    """Return the effect "plate gradient". Number: relative change of the drive's amplitude between the feet."""
     return _decide_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
 
 
 def decide_rocking(case: Case) -> Effect:
-    """Decide whether the plate rocks."""
+    """Return the effect "plate rocking". Number: rocking amplitude between the feet over the drive's."""
     return _decide_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
 
 
 def _decide_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
-    """Decide on an effect of the plate that grows with distance from the start. Raises InputError if it is too large.
+    """Return the effect `name`, which grows with distance from the start. Raises InputError if it is too large.
 
     `key`: of the scene. `switch`: name of the effect in effects.on and effects.off. `meaning`: of the effect's number.
     """
@@ -93,7 +93,7 @@ def _max_distance(case: Case) -> float:
 
 
 def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """Decide as `effect.decide_from_key` does. Raises InputError if the walker has a motor, whose plate is still."""
+    """Return what `effect.decide_from_key` returns. Raises InputError if on for a walker with a motor."""
     on, reason = decide_from_key(case, key, switch)
     if on and case.scene.drive.kind == "motor":
         raise InputError(

@@ -10,7 +10,7 @@ NAME, SWITCH = "yaw and roll", "roll_and_yaw"
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether the walker rolls and yaws: on unless forced off. The number is depth over contact spacing."""
+    """Return the effect "yaw and roll": on unless forced off. Its number is the body's depth over contact spacing."""
     depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
     reason = "a foot is an edge: one of its corners lands first"

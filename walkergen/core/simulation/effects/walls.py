@@ -75,7 +75,7 @@ def _check_headings(case: Case) -> None:
 
 
 def decide(case: Case) -> Effect:
-    """Decide whether the lane's walls act: if the walker may turn. The number is the turn that the lane allows, rad."""
+    """Return the effect "lane walls": on if the walker may turn in a lane. Its number is the possible turn, rad."""
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane":
@@ -94,7 +94,7 @@ RULE = Rule(decide, SWITCH, absent_values={"arena": Arena(kind="plane")}, typica
 
 
 def decide_lid(case: Case) -> Effect:
-    """Decide whether a lid acts. The number is a hop's height, at the plate's peak speed, over the space below the lid.
+    """Return the effect "lid". Its number is a hop's height, at the plate's peak speed, over the space below the lid.
 
     Raises InputError where the walker does not fit.
     """

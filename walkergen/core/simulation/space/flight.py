@@ -1,4 +1,4 @@
-"""Flight in the 3D simulation: C falls, the body is a free top, legs swing, each exactly or nearly so.
+"""Flight in the 3D simulation: the centre of mass falls, the body is a free top, legs swing, each exactly or nearly so.
 
 The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the body's turn. The top
 keeps its angular momentum exactly and turns by the implicit midpoint rule, solved to rounding.
