@@ -49,13 +49,13 @@ MAX_FALL_CHANCE = 0.25
 
 
 class UntilCertain(NamedTuple):
-    """Rule that adds runs until the speed of the walker as designed, from surrogate and runs, is certain enough."""
+    """Rule that adds runs until the speed of a walker as designed, by surrogate and runs, is certain enough."""
 
     case: SurrogateCase
     first_runs: int = FIRST_RUNS
 
     def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return the measurement with more runs requested; None if certain enough, without speed, or at MAX_RUNS."""
+        """Return the measurement with more runs requested; None if the speed is certain or missing, or at MAX_RUNS."""
         nominal = combine(self.case, measured.records)
         if nominal is None or measured.runs >= MAX_RUNS:
             return None
@@ -65,7 +65,7 @@ class UntilCertain(NamedTuple):
 
 
 def correct_by_runs(walker: Walker, case: SurrogateCase | None, progress: Progress) -> Record | None:
-    """Simulate a few runs of a walker and return the record of its speeds (mm/s) from the surrogate and these runs.
+    """Simulate a few runs of a walker. Return its speeds (mm/s) from the surrogate and these runs, by record key.
 
     Return None outside the surrogate's domain (`case` is None), or if runs cannot correct the surrogate.
     """
@@ -86,7 +86,7 @@ def correct_by_runs(walker: Walker, case: SurrogateCase | None, progress: Progre
 
 
 def combine(case: SurrogateCase, records: Sequence[RunResult]) -> Speeds | None:
-    """Return the mean of the surrogate's and the runs' speed as designed, weighted by errors, on the networks' scale.
+    """Return the speed as designed from surrogate and runs together, weighted by their errors, on the networks' scale.
 
     Return None if too few runs ended well, or if the two differ by more than MAX_DEVIATIONS standard deviations.
     """
@@ -107,8 +107,8 @@ def combine(case: SurrogateCase, records: Sequence[RunResult]) -> Speeds | None:
 def can_correct(case: SurrogateCase) -> bool:
     """Return whether runs can correct the surrogate: its error and chance of a fall are small, and the speed is steady.
 
-    On a sloping plane a walker turns downhill. Below 1 g some prints stand and others bounce. With an accepted error
-    runs leave out effects that the surrogate includes.
+    On a sloping plane a walker turns downhill. Below 1 g some prints stand and others bounce. If the scene accepts an
+    error, runs leave out effects that the surrogate includes.
     """
     scene, predicted = case.scene, case.predicted
     unsteady = scene.drive.peak_gamma < 1.0 or (scene.arena.kind == "plane" and scene.plate.slope_deg != 0.0)

@@ -88,7 +88,7 @@ class Simplest(NamedTuple):
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """Report lines (name, text): the effects left out, and those kept."""
+        """Lines of a report, pairs of name and text: on the effects left out, and on those kept."""
         if self.accepted is None:
             return []
         share = f"{100.0 * self.accepted:g} %"
@@ -147,7 +147,7 @@ def _format_change(change: Change) -> str:
 
 
 def check_no_accepted_error(scene: Scene, why: str) -> None:
-    """Raise InputError if the scene sets `run.accepted_error`. `why`: reason in the message."""
+    """Raise InputError if the scene sets `run.accepted_error`. `why`: reason that the message gives."""
     accepted = scene.run.accepted_error
     if accepted is not None:
         key = "scene.run.accepted_error"

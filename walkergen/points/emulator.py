@@ -50,14 +50,14 @@ class Emulator(NamedTuple):
 
 
 def single_thread() -> Any:
-    """Return a context in which linear algebra uses one thread: threads would only slow down such small matrices."""
+    """Return a context manager in which linear algebra uses one thread: more would slow down such small matrices."""
     from threadpoolctl import threadpool_limits
 
     return threadpool_limits(1)
 
 
 def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emulator | None = None) -> Emulator:
-    """Fit an emulator to values y (n,) at inputs x (n, d) by maximum likelihood.
+    """Return an emulator, fitted to values `y` (n,) of a function at inputs `x` (n, d) by maximum likelihood.
 
     `noise`: standard errors of the values (n,); None to fit one for all. `like`: emulator whose kernel and scales are
     used unchanged. Raises ValueError for fewer than MIN_VALUES values.

@@ -1,4 +1,4 @@
-"""A walker in a scene as an experiment: a pure function of inputs that a key names.
+"""A walker in a scene as an experiment: its results depend only on its inputs, whose hash is its key.
 
 Families, sweeps, surveys and the command line get their simulated speeds from it.
 """
@@ -54,7 +54,7 @@ class Walker(NamedTuple):
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def plan(self) -> Plan:
-        """Prepare the 3D simulation of the walker. Raises InputError if scene and design contradict each other."""
+        """Return the plan of the walker's simulation. Raises InputError if scene and design contradict each other."""
         return prepare(self.scene, self.design, self.mass)
 
     def prepare(self) -> OneRun[RunResult]:
@@ -75,7 +75,7 @@ class Walker(NamedTuple):
         return None if step < 2.0 * MIN_STEP_US else self.with_run_settings(step_us=0.5 * step)
 
     def with_run_settings(self, **run: float) -> "Walker":
-        """Return the walker in a changed scene. `run`: new settings of the scene's table [run] by name."""
+        """Return the walker with a changed scene. `run`: new values of keys in the scene's table [run]."""
         return self._replace(scene=self.scene.model_copy(update={"run": self.scene.run.model_copy(update=run)}))
 
 
@@ -119,7 +119,7 @@ def key_facts(scene: Scene, design: Design) -> list[Any]:
 
 
 def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
-    """Summarize the finished runs `records` of a walker. `runs`: requested number. `wall_s`: time they took, s."""
+    """Return the results of a walker's finished runs, `records`. `runs`: requested number. `wall_s`: their time, s."""
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.equivalent_drive.peak_speed, wall_s)
     return Results(

@@ -27,7 +27,7 @@ forecast."""
 
 
 class Simulated(NamedTuple):
-    """Results of a member's ensemble in the family's table."""
+    """Results of the simulated runs of a member, as in the table of its family."""
 
     speed: "Quantity"
     outcomes: str
@@ -106,7 +106,7 @@ def predict_members(
 
 
 def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str) -> Design:
-    """Return the design with its weighed masses; unchanged if neither the part `name` nor its load was weighed."""
+    """Return the design with masses from a balance; unchanged if neither the part `name` nor its load was weighed."""
     if not weighed:
         return design
     from walkergen.core.walker import weighed_masses
@@ -120,7 +120,7 @@ def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weigh
 def _compare_weighing(
     member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]", model: Model
 ) -> Weighing:
-    """Return a member's weighed mass, with the mass and the predicted speed that its mesh alone gives."""
+    """Return a member's mass from a balance, and its mass and predicted speed from the mesh alone."""
     from walkergen.core.walker import weighed_masses
 
     plain = weighed_masses.without_weighed_masses(member.design)
@@ -135,7 +135,7 @@ def _compare_weighing(
 
 
 def columns(member: Member) -> dict[str, Any]:
-    """Return all numbers of a walker by column names: prediction and, if present, runs and weighed mass."""
+    """Return all numbers of a member by column: its prediction and, if present, its runs and weighed mass."""
     found, runs = member.row.columns(), member.simulated
     if runs is not None:
         speed = runs.speed._replace(key="sim_speed").row(95, stem="sim_")
@@ -148,7 +148,7 @@ def columns(member: Member) -> dict[str, Any]:
 
 
 def row(member: Member) -> SimpleNamespace:
-    """Return all numbers of a walker as attributes of one object. Numbers with an error are of class Quantity."""
+    """Return all numbers of a member as attributes of an object. Numbers with an error are of class Quantity."""
     found, runs, weighing = member.row._asdict(), member.simulated, member.weighing
     if runs is not None:
         found |= {"sim_speed": runs.speed, "sim_outcomes": runs.outcomes, "verdict": runs.verdict}

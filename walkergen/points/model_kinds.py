@@ -62,30 +62,30 @@ class Kind(Protocol):
         """Raise InputError if a group of numbers in `keep` is not available for the model or without a printer."""
 
     def title(self, model: str) -> str:
-        """Return words for a title that say how the model's numbers were obtained."""
+        """Return words for a table's title that say how the model obtained its numbers."""
 
     def columns(self, model: str, keep: Sequence[str]) -> tuple[str, ...]:
-        """Return the columns of records with the groups in `keep`, without the status."""
+        """Return the names of the columns of records with the groups in `keep`, without the status."""
 
     def pictures(self, keep: Sequence[str]) -> tuple[Picture, ...]:
-        """Return the numbers that pictures show of a table with the groups in `keep`."""
+        """Return the numbers of a table with the groups in `keep` that pictures show."""
 
     def cost(self, point: Point) -> float:
         """Estimate the CPU seconds to evaluate a point. Raises WalkergenError for an invalid point."""
 
     def evaluate(self, point: Point) -> Record:
-        """Compute the numbers of a point. Raises WalkergenError if it cannot be built or simulated."""
+        """Return the numbers of a point by column. Raises WalkergenError if it cannot be built or simulated."""
 
 
 def kind_of(model: str) -> str:
-    """Return the kind of experiment, a key of KIND_MODULES, for a model. Raises InputError for an unknown model."""
+    """Return the kind of points, a key of KIND_MODULES, of a model. Raises InputError for an unknown model."""
     if model not in ALL_MODELS:
         raise InputError(f"‹model=›{model[:30]!r}: must be one of {', '.join(ALL_MODELS)}")
     return ALONE if model in MODELS else model
 
 
 def kind_of_key(key: str) -> str:
-    """Return the kind of experiment to which a scene's or design's key is restricted; "" if it applies to all."""
+    """Return the kind of points to which a key of scene or design is restricted; "" if it applies to all kinds."""
     return next((kind for kind, start in KIND_KEY_PREFIXES.items() if key.startswith(start)), "")
 
 
@@ -107,7 +107,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def evaluate(point: Point) -> Record:
-    """Compute the numbers of a point. If it cannot be built or simulated, the record's status says so."""
+    """Return the numbers of a point by column; only status and reason if the point cannot be built or simulated."""
     try:
         return load_kind(point.kind).evaluate(point)
     except WalkergenError as error:

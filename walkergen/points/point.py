@@ -27,7 +27,7 @@ Record = dict[str, Value]
 
 
 class PointStatus(StrEnum):
-    """Outcome of a point."""
+    """Outcome of the evaluation of a point."""
 
     OK = "ok"
     REFUSED = "refused"
@@ -74,13 +74,13 @@ def status_record(status: PointStatus, text: str = "") -> Record:
 
 
 def refused_record(error: WalkergenError) -> Record:
-    """Return the record, status and reason only, of a point that cannot be built or simulated."""
+    """Return the record of a point that cannot be built or simulated: only status and reason."""
     reason = " ".join(error.text.split())[:300]
     return status_record(PointStatus.REFUSED, f"{PointStatus.REFUSED}: {reason}") | {REASON_KEY: reason}
 
 
 def point_key(point: Point) -> str:
-    """Return a hash of all that a point's numbers depend on, program sources included: 32 hexadecimal digits."""
+    """Return a hash of all inputs of a point's numbers and of the program's sources, 32 hexadecimal digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     prediction_facts = [point.scene.prediction.model_dump(), networks.digest()]
     facts = [

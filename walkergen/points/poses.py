@@ -37,14 +37,14 @@ class Poses(NamedTuple):
     times: Array
     """Times of the poses, shape (n,), s, from 0."""
     places: Array
-    """Places of the body's point O, shape (n, 3), mm; y over the plate's mean, x from 0 and so is
-    z on a plane; in a lane z counts from its middle."""
+    """Positions of the body's centre of mass, shape (n, 3), mm: x and z from the first pose (in a lane,
+    z from its middle), y over the plate's mean height."""
     turns: Array
     """Unit quaternions, body axes to world: scalar, x, y, z, shape (n, 4)."""
     heading: Array
     """Heading, counter-clockwise from above, whole turns counted, shape (n,), rad."""
     corners: Array
-    """Places of the c = 2 x legs corners of the feet, shape (n, c, 3), mm."""
+    """Positions of the c = 2 x legs corners of the feet, shape (n, c, 3), mm."""
     gaps: Array
     """Distances of the corners from the plate, shape (n, c), mm; negative while they press."""
     closed: Mask
@@ -111,7 +111,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
 
 @kernel
 def _fill_points(world, states, points, plate):
-    """Compute points of contact and plate heights of n states into `points` and `plate`, mm.
+    """Fill `points` and `plate` with contact points and heights of the plate, mm, in n states.
 
     `points`: shape (n, contacts, 4) for x, y, z and the gap to the plate. `plate`: shape (n,).
     """

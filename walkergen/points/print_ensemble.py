@@ -116,7 +116,7 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
 
 
 def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
-    """Widen the bounds `ends` of a mean by the time step's error, mm/s.
+    """Return the bounds `ends` of a `mean` speed, widened by the time step's `error`, all in mm/s.
 
     `error` (95 %) is added in quadrature; None, for an unknown error, leaves the bounds unchanged.
     """
@@ -125,7 +125,7 @@ def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
 
 
 def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
-    """Move each bound in `ends` away from the mean by its error in `parts`, added in quadrature, mm/s."""
+    """Return the bounds `ends` of a `mean` speed, each widened in quadrature by its error in `parts`, all in mm/s."""
     low2, low1, high1, high2 = (
         mean + math.copysign(math.hypot(end - mean, part), end - mean) for end, part in zip(ends, parts, strict=True)
     )
@@ -133,7 +133,7 @@ def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
 
 
 def _build_draw(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
-    """Return the walker of one draw: inputs set to the values `row`, and one run, seeded by the draw's number."""
+    """Return the walker of draw `number`, with a single run: `inputs` are set to the values `row`, shape (inputs,)."""
     names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain_inputs.apply_inputs(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
@@ -160,7 +160,7 @@ def _half_speeds(results: Results) -> tuple[float, float]:
 def analyse(
     inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
 ) -> PrintScatter:
-    """Compute the scatter of speeds between prints, without statistical errors of short runs, and its shares by input.
+    """Compute the scatter of speeds between prints, less the statistical errors of short runs, and each input's share.
 
     `values`: inputs of n draws, shape (n, inputs). `halves`: mean speeds of the two halves of each run, shape (n, 2),
     mm/s. The difference of the halves gives the statistical error, if correlations are shorter than half a run.
@@ -194,10 +194,10 @@ def statistical_error(halves: Array) -> float:
 
 
 def speed_bounds(speeds: Array, statistical: float) -> Bounds:
-    """Return the speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
+    """Return the speeds (mm/s) below which 2.5, 16, 84 and 97.5 % of prints run, from the `speeds` of n draws.
 
-    The statistical error of short runs is taken out: deviations from the mean are scaled down accordingly. At most
-    MAX_VARIANCE_SHARE of the variance is taken out.
+    The `statistical` error of a draw is removed: deviations from the mean are scaled down accordingly. At most
+    MAX_VARIANCE_SHARE of the variance is removed.
     """
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
     share = min(statistical**2 / variance, MAX_VARIANCE_SHARE) if variance else 0.0

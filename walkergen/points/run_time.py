@@ -43,7 +43,7 @@ def stop_after_moment() -> Stopped:
 
 
 def rate_from_steps(plan: Plan) -> float:
-    """Return an upper limit of CPU seconds per simulated second, from the number of time steps or plate periods."""
+    """Return an upper limit of the CPU seconds per simulated second, from the number of time steps or plate periods."""
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
     return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.equivalent_drive.frequency)
 
@@ -92,7 +92,7 @@ class ErrorWithEstimate(NamedTuple):
         return self.until.first_runs
 
     def request_more(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return the measurement with more runs requested or a finer experiment; None if the error is met or stays.
+        """Return the measurement with more runs or a finer step requested; None if the error is met or cannot fall.
 
         After the first runs, call `expect` with a function that estimates the remaining time.
         """
@@ -105,7 +105,7 @@ class ErrorWithEstimate(NamedTuple):
 def remaining_time(until: UntilError, measured: Measured[Walker]) -> Expected:
     """Estimate the remaining clock time until the error is met, from the first runs `measured`.
 
-    A note compares the total time with that for the next larger error.
+    A note compares the total time with the total time for the next larger error.
     """
     cheaper = until._replace(tolerance=next_larger_error(until.tolerance))
     cores, left = core_count(), remaining_cpu_s(until, measured)
@@ -135,7 +135,7 @@ def total_cpu_s(measured: Measured[Any]) -> float:
 
 
 def _runs_needed(until: UntilError, measured: Measured[Walker], finer: Walker) -> int:
-    """Return the number of runs of the walker `finer` that will meet an error, from the scatter of the finished runs.
+    """Estimate the number of runs of the walker `finer` that meet an error, from the scatter of the finished runs.
 
     `finer`: the measured walker, or the same with a smaller time step.
     """
@@ -150,7 +150,7 @@ def _runs_needed(until: UntilError, measured: Measured[Walker], finer: Walker) -
 
 
 def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:
-    """Return the standard deviation of the quantity `of` from run to run. `se`: standard error of its mean over runs.
+    """Return the standard deviation from run to run of the quantity named `of`. `se`: standard error of its mean.
 
     For the speed, a more precise `se` is computed from blocks of all runs.
     """

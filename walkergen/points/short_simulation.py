@@ -65,7 +65,7 @@ def _store_key(walker: Walker) -> str:
 
 
 def load_stored(walker: Walker) -> Record | None:
-    """Load the numbers of a walker's short simulation from the store; None without any."""
+    """Load the record of a walker's short simulation from the store; None if there is none."""
     with closing(Store()) as store:
         return store.get([_store_key(walker)]).get(_store_key(walker))
 
@@ -88,7 +88,7 @@ def simulate_short(walker: Walker, case: SurrogateCase | None, progress: Progres
 
 
 def expected_cpu_s(walker: Walker) -> float:
-    """Estimate the CPU seconds of a walker's short simulation from a moment; 0 if its speed is known without one."""
+    """Estimate the CPU seconds of a walker's short simulation, from its beginning; 0 if it is not needed."""
     try:
         prediction.predict(walker.design, walker.mass, walker.scene, "coulomb")
     except UnknownError as reason:
@@ -96,14 +96,14 @@ def expected_cpu_s(walker: Walker) -> float:
             return 0.0
         started = time.thread_time()
         rate = run_time.measure_rate(walker.plan())
-        moment_s = time.thread_time() - started  # short for a walker that falls, as its other runs are then
+        moment_s = time.thread_time() - started  # short if the walker falls: its other runs are then short too
         corrected = reason.near is not None and corrected_surrogate.can_correct(reason.near)
         return min(rate * USUAL_S[corrected], MAX_RUNS * moment_s)
     return 0.0
 
 
 def expected_wall_s(cases: Sequence[Walker]) -> float:
-    """Estimate the clock time (s) of short simulations of walkers of one family: the first one's moment serves all."""
+    """Estimate the clock time (s) of short simulations of a family's walkers. Only the first one is timed."""
     rate = run_time.measure_rate(cases[0].plan())
     cpu_s = 0.0
     for walker in cases:
@@ -159,7 +159,7 @@ def _simulated_s(walker: Walker) -> float:
 
 
 def _check_run_length(walker: Walker) -> None:
-    """Raise InputError if a short simulation takes more than MAX_CPU_S, with the scene's key that makes it slow."""
+    """Raise InputError, which names the key that slows it, if a short simulation takes more than MAX_CPU_S."""
     cpu_s = _estimate_cpu_s(walker)
     if cpu_s <= MAX_CPU_S:
         return
@@ -178,7 +178,7 @@ def _check_run_length(walker: Walker) -> None:
 
 
 def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
-    """Yield each key that may make a scene slow: key, its value, and the scene with the default instead."""
+    """Yield each key that may slow a simulation, with its value and the scene with the key's usual value."""
     yield (
         "drive.frequency_hz",
         scene.drive.frequency,
@@ -199,7 +199,7 @@ def _run_length_ratio(walker: Walker) -> float:
 
 
 def _simulate_prints(walker: Walker, progress: Progress) -> Record:
-    """Return mean, scatter and bounds of the speed over prints, mm/s, as a record; {} if too few prints walk."""
+    """Return a record of the speed over prints, mm/s: mean, standard deviation, bounds; {} if too few prints walk."""
     seconds = PRINT_S * _run_length_ratio(walker)
     run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
     scene = walker.scene.model_copy(update={"run": run})
@@ -216,7 +216,7 @@ def _simulate_prints(walker: Walker, progress: Progress) -> Record:
 
 
 def speed_from_record(record: Record, scene: Scene) -> PredictedSpeed | None:
-    """Return the speeds of a record, as designed and over prints; None without a speed, or if half of the runs fell.
+    """Return the speeds in a record, as designed and over prints; None if it has none, or if half of the runs fell.
 
     Bounds over prints include the model's own error. All bounds include the change by effects that are left out.
     """
@@ -238,11 +238,11 @@ def speed_from_record(record: Record, scene: Scene) -> PredictedSpeed | None:
         ends = print_ensemble.add_step_error((low2, low1, high1, high2), mean, left_out)
     model_sd = float(prediction.model_error_sd(mean, scene))
     ends = print_ensemble.add_error(ends, mean, (NORMAL_95 * model_sd, model_sd, model_sd, NORMAL_95 * model_sd))
-    return PredictedSpeed(nominal, make_speed("speed", mean, math.hypot(sd, model_sd), ends), _source(record))
+    return PredictedSpeed(nominal, make_speed("speed", mean, math.hypot(sd, model_sd), ends), _speed_source(record))
 
 
-def _source(record: Record) -> By:
-    """Return the source of a record's speeds."""
+def _speed_source(record: Record) -> By:
+    """Return the source of a record's speeds: runs alone, or the surrogate corrected by runs."""
     return "corrected" if record.get("by") == "corrected" else "runs"
 
 

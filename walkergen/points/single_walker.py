@@ -59,7 +59,7 @@ GROUP_COLUMNS = {
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
-    """Raise InputError if a group of numbers in `keep` needs a simulation or a printer that is missing."""
+    """Raise InputError if a group of numbers in `keep` needs a simulation or a printer, and there is none."""
     for name in ("persistence", "alignment", "impacts"):
         if name in keep and model == PREDICTION:
             raise InputError(f"‹keep=›{name}: needs a simulation: ‹model=›space")
@@ -68,23 +68,23 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """Return words for a title that say how the numbers were obtained."""
+    """Return words for a table's title: whether its numbers were predicted, or by which model simulated."""
     return "predicted" if model == PREDICTION else f"model {model}"
 
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of records with the groups of numbers in `keep`, without the status."""
+    """Return the names of the columns of records with the groups of numbers in `keep`, without the status."""
     more = [name for group in GROUP_COLUMNS if group in keep for name in GROUP_COLUMNS[group]]
     return (*(PREDICTED_COLUMNS if model == PREDICTION else SIMULATED_COLUMNS), *more)
 
 
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
-    """Return the one number of a table that pictures show: the speed, for any `keep`."""
+    """Return the number of a table of points that pictures show: the speed, for any groups of numbers `keep`."""
     return (Picture("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
 
 
 def cost(point: Point) -> float:
-    """Estimate the CPU seconds of a point from short runs. If it is only predicted, time an evaluation instead."""
+    """Estimate the CPU seconds to evaluate a point, from short runs; for a prediction, time it instead."""
     if point.simulated:
         found = find_simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
         walker, wanted = found.walker, point.wanted
@@ -100,7 +100,7 @@ def cost(point: Point) -> float:
 
 
 def evaluate(point: Point) -> Record:
-    """Compute the numbers of a point by column. Raises WalkergenError if it cannot be built or simulated."""
+    """Return the numbers of a point by column. Raises WalkergenError if it cannot be built or simulated."""
     design, keep = point.design, point.keep
     weighed_masses.check_stated_masses(design)
     mass = solids.mass_of(design)
@@ -140,7 +140,7 @@ def evaluate(point: Point) -> Record:
 
 
 def _predict_point(point: Point, mass: MassProperties) -> tuple[Prediction, str]:
-    """Predict a point's speed, by a short simulation where the surrogate has none. Return it, and why it is missing."""
+    """Return the prediction for a point, if needed by a short simulation, and the reason in case it has no speed."""
     reason = ""
     if not point.simulated:
         try:
@@ -152,7 +152,7 @@ def _predict_point(point: Point, mass: MassProperties) -> tuple[Prediction, str]
 
 
 def _simulate_point(point: Point, mass: MassProperties) -> Record:
-    """Simulate a point, until its requested error is met if it has one. Return the numbers by column."""
+    """Simulate a point, until the error that it requests, if any, is met. Return the numbers of its runs by column."""
     simple, met = find_simplest(Walker(point.scene, point.design, mass), threads=1), None
     walker = simple.walker
     if point.wanted is None:
@@ -179,7 +179,7 @@ def _simulate_point(point: Point, mass: MassProperties) -> Record:
 
 
 def _motion_record(results: Results, names: Sequence[str]) -> Record:
-    """Return the named estimates from the tracks of runs, and their errors, by column; None if unknown."""
+    """Return the estimates `names` from the tracks of runs, with standard errors, by column; None for unknown ones."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
     if good:
@@ -193,7 +193,7 @@ def _motion_record(results: Results, names: Sequence[str]) -> Record:
 
 
 def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
-    """Return status and text for the runs of a point. `met`: result for a requested error, None without one."""
+    """Return the status of a point after its runs, and a text. `met`: result for a requested error, or None."""
     valid = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in valid}
     if summary.speed.value is None:

@@ -73,7 +73,7 @@ def _check_consistency(design: Design, mass: MassProperties, scene: Scene) -> No
 
 
 def expected_time(cases: Sequence[tuple[Design, MassProperties]], scene: Scene) -> Expected:
-    """Estimate the clock time until walkers outside the surrogate's domain have a speed, one after the other."""
+    """Estimate the clock time to predict walkers outside the surrogate's domain, one after the other."""
     from walkergen.points import short_simulation
     from walkergen.points.experiments import Walker
 
@@ -82,7 +82,7 @@ def expected_time(cases: Sequence[tuple[Design, MassProperties]], scene: Scene) 
 
 
 def _describe_source(record: "Record") -> str:
-    """Describe how the speed in a record was computed: by runs alone, or by the surrogate and runs."""
+    """Return words on how the speed in a record was computed: from runs alone, or from the surrogate and runs."""
     return "simulated" if record["by"] == "runs" else "by the surrogate, corrected by a few runs"
 
 

@@ -33,7 +33,7 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
 
 
 def headline(design: str, walkers: Sequence[Member], folder: Path | None = None) -> str:
-    """Return the answer in a sentence: what the only walker does, or how fast the fastest one runs."""
+    """Return a sentence on the walkers of the design named `design`: what the only, or the fastest one does."""
     start = count_walkers(design, walkers, folder)
     if len(walkers) == 1:
         only = walkers[0].design
@@ -47,7 +47,7 @@ def describe_fastest(walkers: Sequence[Member]) -> str:
     """Return what the fastest of the walkers does, in words, and how many have no speed."""
     if len(walkers) == 1:
         return prediction.describe_speed(walkers[0].row)
-    by_speed = [(abs(speed), number) for number, one in enumerate(walkers) if (speed := _speed(one)) is not None]
+    by_speed = [(abs(speed), number) for number, one in enumerate(walkers) if (speed := _shown_speed(one)) is not None]
     if not by_speed:
         return "none with a speed"
     missing = len(walkers) - len(by_speed)
@@ -59,25 +59,25 @@ def describe_fastest(walkers: Sequence[Member]) -> str:
 
 
 def count_walkers(design: str, walkers: Sequence[Member], folder: Path | None = None) -> str:
-    """Return the number of walkers as text, with their folder or the name of their design."""
+    """Return the number of walkers as text, with their folder or, without one, the name of their design."""
     return f"{len(walkers)} walker{'s' * (len(walkers) > 1)} {f'in {folder}' if folder else f'of {design}'}"
 
 
-def _speed(walker: Member) -> float | None:
-    """Return the speed of a walker, mm/s: that of the theory if only this was requested; None without one."""
+def _shown_speed(walker: Member) -> float | None:
+    """Return the predicted speed of a walker, mm/s, or the theory's if only that was requested; None without one."""
     return walker.row.theory_mm_s if walker.row.has_theory_alone else walker.row.speed.value
 
 
 def _describe_member(walker: Member, walkers: Sequence[Member]) -> str:
-    """Name a walker by what distinguishes it from the others: its kind of legs, its tilt or both."""
+    """Return words that distinguish a walker from the others: its kind of legs, its tilt or both, else its name."""
     kinds, tilts = {one.design.kind for one in walkers}, {one.design.tilt_deg for one in walkers}
     kind = [f"{walker.design.kind} legs"] * (len(kinds) > 1)
     return " at ".join([*kind, *[f"{walker.design.tilt_deg:g} deg"] * (len(tilts) > 1)]) or walker.name
 
 
 def _describe_run(walker: Member) -> str:
-    """Describe how fast a walker runs, in whole mm/s with the bounds of 95 %."""
-    speed, bounds = _speed(walker) or 0.0, _format_bounds(walker.row.speed)
+    """Return words on how fast a walker runs, in whole mm/s, with the bounds of 95 %."""
+    speed, bounds = _shown_speed(walker) or 0.0, _format_bounds(walker.row.speed)
     source = "the paper's theory, eq. 15" if walker.row.has_theory_alone else f"95 %: {bounds}"
     return f"runs {'backward ' * (speed < 0.0)}at {formatting.format_fixed(abs(speed), 0)} mm/s ({source})"
 
@@ -123,9 +123,9 @@ MIN_FOLDED_WALKERS = 3
 
 
 def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) -> list[Table]:
-    """Return the table of a design's speeds and, if walkers were weighed, one that compares weighed and mesh masses.
+    """Return the table of a design's speeds and, if walkers were weighed, a table of weighed and mesh masses.
 
-    `why`: True to number the speeds that have a note.
+    `name`: of the table. `design`: name of the design. `why`: True to add the numbers of notes to speeds.
     """
     rows = [members.columns(member) for member in walkers]
     standing = {member.row for member in _folded_walkers(walkers)}
@@ -144,7 +144,7 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
 
 
 def masses_table(name: str, design: str, walkers: Sequence[Member]) -> Table:
-    """Return the table of a design's masses alone."""
+    """Return the table, called `name`, of the masses of the walkers of the design named `design`, without speeds."""
     rows = [{key: value for key, value in member.row.columns().items() if key in MASS_KEYS} for member in walkers]
     shown = (
         report.number_column("tilt\n(deg)", "tilt_deg", 6),
@@ -157,7 +157,7 @@ def masses_table(name: str, design: str, walkers: Sequence[Member]) -> Table:
 
 def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
     """Return the lines below the table: numbered notes (if `why`), walkers that stand, and weighed masses."""
-    notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)] if why else []
+    notes = [f"[{number}] {note}" for number, note in enumerate(_distinct_notes(walkers), start=1)] if why else []
     standing = _folded_walkers(walkers)
     if standing:
         tilts = [member.design.tilt_deg for member in standing]
@@ -171,24 +171,24 @@ def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
 
 
 def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
-    """Return the columns of the table of speeds. `why`: True to add the number of its note to a speed.
+    """Return the columns of the table of speeds. `why`: True to add the numbers of notes to speeds.
 
     If only the theory was requested, the columns are its inputs and results.
     """
-    simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
+    simulated, notes = any(member.simulated for member in walkers), _distinct_notes(walkers)
     by_theory = any(member.row.speed_by == "theory" for member in walkers)
 
     def note_mark(note: str) -> str:
         """Return the number of a note in brackets; "" if it is not listed."""
         return f" [{notes.index(note) + 1}]" if note in notes and why else ""
 
-    def format_designed(row: Any) -> str:
+    def format_nominal_speed(row: Any) -> str:
         return (_format_outcome(row) or formatting.format_fixed(row.nominal.number, 1)) + note_mark(row.note)
 
     def format_theory(row: Any) -> str:
         return formatting.format_fixed(row.theory_mm_s, 1) + note_mark(row.theory_note)
 
-    def format_speed(row: Any) -> str:
+    def format_print_speed(row: Any) -> str:
         speed = row.speed.value
         return "" if speed is None or prediction.is_standing(row) else formatting.format_fixed(speed, 1)
 
@@ -212,8 +212,8 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
         *given,
         _mass_column("mass\n(g)", "total_g"),
         *masses,
-        Column("as designed\n(mm/s)", format_designed, right=True),
-        Column("your print\n(mm/s)", format_speed, right=True),
+        Column("as designed\n(mm/s)", format_nominal_speed, right=True),
+        Column("your print\n(mm/s)", format_print_speed, right=True),
         _bounds_column("68 %\n(mm/s)", 0.68),
         _bounds_column("95 %\n(mm/s)", 0.95, wide=simulated),
         eq_15,
@@ -242,11 +242,12 @@ def _factor_column(heading: str, key: str, wide: bool) -> Column:
 
 
 def _with_meaning(column: Column, key: str) -> Column:
-    """Return the column with the explanation of its short heading from MEANINGS."""
+    """Return the column with the explanation of its short heading, MEANINGS[key]."""
     return column._replace(meaning=MEANINGS[key])
 
 
 def _has_weighings(walkers: Sequence[Member]) -> bool:
+    """Return whether the mass of any walker comes from a balance."""
     return any(member.weighing is not None for member in walkers)
 
 
@@ -260,8 +261,8 @@ def _folded_walkers(walkers: Sequence[Member]) -> list[Member]:
     return standing if len(standing) >= MIN_FOLDED_WALKERS else []
 
 
-def _notes(walkers: Sequence[Member]) -> list[str]:
-    """Return the distinct notes on walkers with a row in the table, in the order of the rows."""
+def _distinct_notes(walkers: Sequence[Member]) -> list[str]:
+    """Return the different notes on walkers with a row in the table of speeds, in the order of rows."""
     standing = {id(member) for member in _folded_walkers(walkers)}  # equality compares designs and meshes
     shown = [member.row for member in walkers if id(member) not in standing]
     alone = _has_theory_alone(walkers)
@@ -274,7 +275,7 @@ def _has_theory_alone(walkers: Sequence[Member]) -> bool:
 
 
 def _bounds_column(heading: str, confidence: float, wide: bool = False) -> Column:
-    """Return the column of the bounds of the speed at a confidence from 0 to 1."""
+    """Return the column of the bounds of the speed at a confidence from 0 to 1. `wide`: shown only in wide tables."""
     return Column(heading, lambda row: _format_bounds(row.speed, confidence), True, wide)
 
 
@@ -310,7 +311,7 @@ def _format_mesh_speed(speed: float | None) -> str:
 
 
 def _format_change(row: Any) -> str:
-    """Format the predicted speed from weighed masses less that from the mesh's masses, mm/s."""
+    """Format the predicted speed from weighed masses minus the one from the mesh's masses, mm/s; "" if unknown."""
     speed, mesh_speed = row.speed.value, row.speed_mesh_mm_s
     return _format_mesh_speed(None if speed is None or mesh_speed is None else speed - mesh_speed)
 
@@ -329,7 +330,7 @@ MASS_COLUMNS = (
 
 
 def _percent_column(heading: str, key: str) -> Column:
-    """Return the column of the share of a variance in attribute `key` of its rows, with its error, percent."""
+    """Return the column of a share of a variance with its error, percent. `key`: attribute of rows with the share."""
 
     def format_share(row: Any) -> str:
         value, error = getattr(row, key).pair
@@ -347,7 +348,7 @@ SHARE_COLUMNS = (
 
 
 def shares_table(name: str, listed: Sequence[Share], title: str) -> Table:
-    """Return the table of uncertain inputs with their shares of the variance of the speed."""
+    """Return the table, called `name`, of uncertain inputs with their shares of the variance of the speed."""
     from walkergen.core.numerics.quantity import column_values
 
     rows = [tuple(column_values(share).values()) for share in listed]

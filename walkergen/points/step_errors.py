@@ -71,12 +71,12 @@ def add_step_bias(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quan
         if reason := coarse or (TURNING_REASON if name == MOTION else ""):
             named[name] = number._replace(bias=math.inf, refused=reason)
         else:
-            named[name] = number._replace(bias=_bias(plan, step_ratio, name, number.value or 0.0))
+            named[name] = number._replace(bias=_max_error(plan, step_ratio, name, number.value or 0.0))
     return named
 
 
-def _bias(plan: Plan, step_ratio: float, name: str, value: float) -> float:
-    """Return the largest error (95 %) by the step of a number. `step_ratio`: step over `resolving_step`, at most 1."""
+def _max_error(plan: Plan, step_ratio: float, name: str, value: float) -> float:
+    """Return the largest error (95 %) of a number by the time step. `step_ratio`: step / `resolving_step`, <= 1."""
     if name == observables.SPEED:
         return step_ratio**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.equivalent_drive.peak_speed)
     if name in MAX_STEP_ERRORS:
@@ -90,12 +90,12 @@ def step_bias(number: Quantity) -> float | None:
 
 
 def reason(number: Quantity) -> str:
-    """Return the reason, for users, why a number's error by the time step is unknown; "" if it is known."""
+    """Return the reason why a number's error by the time step is unknown, as text for users; "" if it is known."""
     return number.refused if math.isinf(number.bias) else ""
 
 
 def total_error(number: Quantity) -> float | None:
-    """Return the standard error from the scatter of runs and the time step together; None if either is unknown.
+    """Return a number's standard error by the scatter of runs and by the time step together; None if one is unknown.
 
     Half of the step's largest error (95 %) counts as one standard deviation.
     """
@@ -114,6 +114,6 @@ def resolving_step(plan: Plan) -> float:
 
 
 def _round_down(value: float) -> float:
-    """Round down to two significant digits."""
+    """Return a value > 0 rounded down to two significant digits."""
     digit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.floor(value / digit + 1e-9) * digit

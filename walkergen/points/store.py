@@ -1,4 +1,4 @@
-"""Store of evaluated points in the user's cache: a table of SQLite, which survives any kill.
+"""Store of the records of evaluated points in the user's cache: an SQLite table that survives a killed process.
 
 Points are found by their keys, so that jobs share them, and one that was stopped goes on.
 """
@@ -65,7 +65,7 @@ class Store:
         self._base.close()
 
     def _storage_error(self, error: Exception) -> OutputError:
-        """Return the error to raise, with advice, for an error of SQLite."""
+        """Return an OutputError, with advice, to raise instead of an error of SQLite."""
         return OutputError(
             f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
             "file; its points are then computed again"
@@ -82,7 +82,7 @@ def _parse_record(text: Any) -> Record | None:
 
 
 def _is_plain(values: Iterable[Any]) -> bool:
-    """Return whether all values are finite numbers, text or None."""
+    """Return whether each value is a finite number, text or None."""
     return all(
         value is None or isinstance(value, (str, int)) or (isinstance(value, float) and math.isfinite(value))
         for value in values

@@ -1,4 +1,4 @@
-"""Figure of tracks, filmed or simulated: from above, or way against time."""
+"""Figure of filmed or simulated tracks: seen from above, or displacement against time."""
 
 import numpy as np
 from matplotlib.axes import Axes

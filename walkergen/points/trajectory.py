@@ -34,7 +34,7 @@ def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
 
 
 def from_runs(results: Sequence[RunResult]) -> Trajectory:
-    """Return one trajectory of all runs, in the given order. The column `particle` is the number of the run.
+    """Return the trajectory of all runs, one after the other. The column `particle` has the number of the run.
 
     The runs must have kept samples. Time counts from the end of each run's discarded start.
     """
@@ -44,7 +44,7 @@ def from_runs(results: Sequence[RunResult]) -> Trajectory:
 
 
 def sample_rows(result: RunResult) -> Array:
-    """Return the samples that a run kept: rows of time (s) and TRAJECTORY_COLUMNS."""
+    """Return the samples that a run kept, shape (samples, columns): time (s), then TRAJECTORY_COLUMNS."""
     samples = result.tally.samples
     return np.asarray(samples.rows[: samples.cursor[0]])
 

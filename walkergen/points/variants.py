@@ -66,7 +66,7 @@ class Change(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Scene and its variants as an experiment. A run is one run of each."""
+    """Walker in its scene and variants of it, as an experiment. A run is one in the scene and one in each variant."""
 
     walker: Walker
     variants: tuple[Variant, ...]
@@ -90,14 +90,14 @@ class Pairs(NamedTuple):
         return simulate_all
 
     def quantities(self, records: Sequence[RunSet]) -> list[Quantity]:
-        """Return the mean speed of the scene, then the change of speed by each variant."""
+        """Return the mean speed in the scene, then the change of speed by each variant, mm/s."""
         return [self.mean_speed(records), *(change.speed for change in self.changes(records))]
 
     def finer(self) -> None:
-        """Return None: runs are never refined, as errors by the time step are left out."""
+        """Return None: the time step is never refined, since its error is left out of changes of speed."""
 
     def mean_speed(self, records: Sequence[RunSet]) -> Quantity:
-        """Return the mean speed of the scene, mm/s."""
+        """Return the mean speed of the walker in the scene itself, mm/s."""
         return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
 
     def changes(self, records: Sequence[RunSet]) -> list[Change]:
@@ -158,7 +158,7 @@ def _scatter_change(pairs: Sequence[tuple[RunResult, RunResult]]) -> tuple[float
 
 
 def _with_short_runs(walker: Walker) -> Walker:
-    """Return the walker with runs of at most MAX_RUN_S after a start of at most MAX_DISCARD_S."""
+    """Return the walker with runs of at most MAX_RUN_S after a discarded start of at most MAX_DISCARD_S."""
     run = walker.scene.run
     seconds, discarded = min(run.seconds, MAX_RUN_S), min(run.discard_seconds, MAX_DISCARD_S)
     return walker.with_run_settings(seconds=seconds, discard_seconds=discarded)
@@ -171,7 +171,7 @@ def short_run_s(walker: Walker) -> float:
 
 
 def decide_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
-    """Return every rule of an effect with its decision for a plan: the effect, on or off."""
+    """Return the rule of every effect with its decision for a plan: the effect, which is on or off."""
     return [(rule, rule.decide(plan.case)) for rule in active_effects.all_rules()]
 
 
@@ -181,7 +181,7 @@ def without_effect(walker: Walker, rule: Rule) -> Variant | None:
 
 
 def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
-    """Yield a variant without each effect that is on. `also_on`: also one with each effect that is off, switched on."""
+    """Yield a variant without each effect that is on. `also_on`: also variants with each effect that is off."""
     by_motor = walker.scene.drive.kind == "motor"
     for rule, effect in decide_effects(walker.plan()):
         variant = None
@@ -198,20 +198,20 @@ def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
 
 
 def _format_usual(rule: Rule) -> str:
-    """Describe the change when an effect is switched on at its usual size."""
+    """Return words for the change by a variant with an effect at its usual size, such as "on, slope_deg = 2.0"."""
     sizes = {key.rpartition(".")[2]: value for key, value in rule.typical_values.items()}
     words = ", ".join(f"{name} = {value}" for name, value in sizes.items() if value is not True)
     return f"on, {words}" if words else "on"
 
 
 def combine(walker: Walker, first: Variant, second: Variant) -> Variant | None:
-    """Return the variant with the changes of two variants; None if it cannot be simulated."""
+    """Return a variant with the changes of two variants together; None if it cannot be simulated."""
     words = first.change if first.change == second.change else "both"
     return _build_variant(walker, f"{first.effect} and {second.effect}", words, {**first.values, **second.values})
 
 
 def _build_variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]) -> Variant | None:
-    """Return the variant with these values, by key, of the scene; None if it cannot be simulated."""
+    """Return a variant with `values`, by key, in the scene; None if it cannot be simulated."""
     return _valid_variant(
         Variant(effect, change, walker._replace(scene=replace_without_validation(walker.scene, values)), values)
     )

@@ -1,4 +1,4 @@
-"""Simulation of walkers: as many runs as their scenes request, or as an error needs. Motion from these runs.
+"""Simulation of walkers: as many runs as their scenes request, or as an allowed error needs. Motion from these runs.
 
 A relative error of the speed refers to at least MIN_SPEED_RATIO of the plate's peak speed.
 """
@@ -81,7 +81,7 @@ def simulate_parallel(walkers: Sequence[Walker], progress: Progress = silent) ->
 
 
 class ErrorResult(NamedTuple):
-    """Walker that was simulated until its error was met, or no more runs could help."""
+    """Results of a walker that was simulated until an allowed error was met, or no more runs could help."""
 
     results: Results
     of: str
@@ -113,7 +113,7 @@ class ErrorResult(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The chosen settings and the error obtained, under their keys in the JSON output."""
+        """Settings that were chosen to meet the error, and the error obtained, by their keys in the JSON output."""
         return {
             "runs": self.results.summary.runs,
             "seconds": self.results.walker.scene.run.seconds,
@@ -133,7 +133,7 @@ def simulate_to_error(
     threads: int | None = None,
     expect: Expect = ignore_estimate,
 ) -> ErrorResult:
-    """Simulate short runs of a walker until the observable `of` has the wanted error, or no more runs could help.
+    """Simulate short runs of a walker until the observable named `of` has the `wanted` error, or no run could help.
 
     The time step is halved if it takes up more of the error than runs could make good. `expect` receives the remaining
     time after the first runs. After Ctrl-C the finished runs are returned. Raises InputError if the scene
@@ -152,34 +152,35 @@ def simulate_to_error(
 
 
 def simulate_with_limit(walker: Walker, wanted: Tolerance, max_runs: int, progress: Progress = silent) -> Results:
-    """Simulate short runs of a walker until its speed has the wanted error or `max_runs` runs are made."""
+    """Simulate short runs of a walker until its speed has the `wanted` error or `max_runs` runs are made."""
     return _simulate_short_runs(
         walker, speed_rule(wanted, walker.equivalent_drive)._replace(max_runs=max_runs), progress, None
     )
 
 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
-    """Estimate the CPU seconds, first runs included, until the speed has the wanted error. Makes the first runs."""
+    """Estimate the CPU seconds of all runs that give the speed the `wanted` error. Simulates the first of them."""
     first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
     return run_time.total_cpu_s(first) + run_time.remaining_cpu_s(speed_rule(wanted, walker.equivalent_drive), first)
 
 
 def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
-    """Simulate runs of at most MAX_RUN_S until the rule `until` has enough of them."""
+    """Simulate runs of at most MAX_RUN_S until the rule `until` requests no more."""
     return _to_results(measure(_with_first_runs(walker), until, progress, threads))
 
 
 def _with_first_runs(walker: Walker) -> Walker:
-    """Return the walker with FIRST_RUNS runs of at most MAX_RUN_S."""
+    """Return the walker with a scene that requests FIRST_RUNS runs of at most MAX_RUN_S."""
     return walker.with_run_settings(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
 
 
 def speed_rule(wanted: Tolerance, drive: Drive) -> UntilError:
-    """Return the rule that adds runs until the speed has the wanted error. `drive`: drive of the plate."""
+    """Return the rule that adds runs until the speed has the `wanted` error. `drive`: the plate's."""
     return UntilError(wanted, SPEED, MIN_SPEED_RATIO * drive.peak_speed)
 
 
 def _to_results(measured: Measured[Walker]) -> Results:
+    """Return the runs of a finished measurement with their statistics."""
     return experiments.from_records(measured.experiment, measured.records, measured.runs, measured.wall_s)
 
 
@@ -217,6 +218,6 @@ def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None
     tracks = tracks_of(results, scene.arena.kind == "lane", interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
     least = max(motion.DEFAULT_LAG_S, tracks.interval)
-    if longest > 1.001 * least:
+    if longest > 1.001 * least:  # beyond rounding
         return motion.analyse(tracks, descent=descent), ""
     return None, f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"

@@ -40,7 +40,7 @@ class WorkerPool(NamedTuple):
 
 @contextmanager
 def local_pool(workers: int | None = None) -> Iterator[WorkerPool]:
-    """Start processes on this machine, one for each core by default, and end them in any case."""
+    """Start worker processes on this machine, by default one for each core, and end them after the `with` block."""
     count = measure.core_count() if workers is None else workers
     if not 1 <= count <= MAX_WORKERS:
         raise InputError(f"‹workers=›{count}: must lie in 1..{MAX_WORKERS}")
@@ -79,6 +79,7 @@ def init_worker() -> None:
     assert parent is not None
 
     def exit_with_parent() -> None:
+        """Wait until the parent process has ended, then end this one."""
         wait([parent.sentinel])
         os._exit(1)
 
@@ -113,7 +114,7 @@ def dask_pool(address: str) -> Iterator[WorkerPool]:
 
 
 def _parse_address(address: str) -> tuple[str, int]:
-    """Parse host and port of a scheduler's address. Raises InputError."""
+    """Return host and port from the address tcp://HOST:PORT of a scheduler. Raises InputError for another form."""
     scheme, _, rest = address.rpartition("://")
     host, _, port = rest.rpartition(":")
     if scheme not in ("", "tcp") or not host or not re.fullmatch("[0-9]{1,5}", port):
@@ -122,7 +123,7 @@ def _parse_address(address: str) -> tuple[str, int]:
 
 
 def _check_greeting(host: str, port: int) -> None:
-    """Raise OSError unless the server at a port first sends the greeting of a dask scheduler.
+    """Raise OSError unless the server at this host and port first sends the greeting of a dask scheduler.
 
     The client of dask waits for ever for a server that accepts a connection and sends nothing, and takes the first
     eight bytes of any other server for the length of a message.
@@ -146,7 +147,7 @@ def _check_greeting(host: str, port: int) -> None:
 
 
 def _worker_digests(client: Any) -> dict[str, str]:
-    """Return each worker's digest of walkergen's sources, or the text of its error, by worker name."""
+    """Return the hash of walkergen's sources on each worker, or the text of an error, by the worker's name."""
     answers = client.run(digest, on_error="return")
     return {
         name: answer if isinstance(answer, str) else f"{type(answer).__name__}: {answer}"
