@@ -22,6 +22,16 @@ RANGE_PATTERN = re.compile(r"\s*([0-9]+\.?[0-9]*)\s*(?:-|\.\.|–)\s*([0-9]+\.?[
 """Range as people write it, which is not the form of a command."""
 
 
+def read_number(text: Any) -> Any:
+    """Return the number in a text. Return any other value unchanged, for a request to refuse it with the range."""
+    for read in (int, float) if isinstance(text, str) else ():
+        try:
+            return read(text)
+        except ValueError:
+            continue
+    return text
+
+
 def parse_number(text: object) -> float:
     """Return a number, parsed if it is text."""
     value = formatting.parse_number(text) if isinstance(text, str) else text
@@ -32,9 +42,13 @@ def parse_number(text: object) -> float:
 
 def parse_tilt(text: object) -> float:
     """Return a tilt in degrees, parsed if it is text."""
-    value = parse_number(text)
+    try:
+        value = parse_number(text)
+    except ValueError:
+        value = math.nan
     if not -MAX_TILT_DEG <= value <= MAX_TILT_DEG:
-        raise ValueError(f"{str(text)[:30]} must lie in -{MAX_TILT_DEG}..{MAX_TILT_DEG} deg")
+        shown = repr(text[:30]) if isinstance(text, str) else str(text)
+        raise ValueError(f"{shown} must be a number in -{MAX_TILT_DEG}..{MAX_TILT_DEG} deg")
     return value
 
 
@@ -98,7 +112,7 @@ def parse_settings(value: Any) -> dict[str, Any]:
     settings: dict[str, Any] = {}
     for text in parse_texts(value):
         key, word = assignments.split_key_value(text)
-        new = assignments.parse_value(word)
+        new = assignments.parse_value(word, key)
         if key in settings and repr(settings[key]) != repr(new):
             raise InputError(f"‹set› {key[:60]}: given twice. Remove one of them.", key)
         settings[key] = new

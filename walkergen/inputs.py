@@ -226,6 +226,19 @@ def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, A
     return Inputs(values, names, [], False)
 
 
+def describe_allowed_values(key: str) -> str:
+    """Describe the values that a key of a design, a scene or a printer may have; "" for no key."""
+    from walkergen.core.files import config
+    from walkergen.core.printing.printers import Printer
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
+
+    section = section_of(key)
+    model: type[config.Section] = {"design": Design, "scene": Scene, "printer": Printer}[section]
+    path = tuple(key.removeprefix(f"{section}.").split("."))
+    return config.describe_allowed_values(path, model) if key else ""
+
+
 def section_of(key: str) -> str:
     """Return the section of a key: design, scene or printer."""
     first, dot, _ = key.partition(".")

@@ -159,7 +159,10 @@ class Request(BaseModel):
         for name in fields:
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
-                text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
+                pairs = value.items() if isinstance(value, Mapping) else ()
+                text = ",".join(f"{key}={entry}" for key, entry in pairs) or (
+                    ",".join(map(str, value)) if isinstance(value, list) else str(value)
+                )
                 shown = f"‹{name}›" if value is True else f"‹{name}=›{safe_text.shorten_line(text)[:60]}"
                 raise InputError(f"{shown}: {problem}. Remove it.", name)
 
@@ -193,7 +196,9 @@ def _format_error(request: type[Request], error: Any) -> str:
         rule = error["msg"].removeprefix("Value error, ").removeprefix(f"{value!r} ")
     else:
         allowed = config.describe_allowed_values((name,), request)  # type: ignore[arg-type]  # only its fields are read
-        rule = ((VALUE_RULES | config.TYPE_RULES).get(kind) or allowed or error["msg"]).replace("'", "")
+        allowed = allowed or inputs.describe_allowed_values(field_flag(request, name).sets)
+        rules = VALUE_RULES | config.TYPE_RULES
+        rule = (rules.get(kind) if kind == "missing" else allowed or rules.get(kind) or error["msg"]).replace("'", "")
     shown = safe_text.shorten_line(repr(value) if isinstance(value, str) else str(value))[:60]
     return f"‹{name}=›{shown}: {rule}"
 
@@ -224,7 +229,11 @@ Ground = Annotated[Any, file_flag("scenes", "Scene: a template or a TOML file.")
 HOME_HELP = f"Scene: a template or a TOML file. Default: {LANE_SCENE}, or {TABLE_SCENE} with a motor."
 Home = Annotated[Any, file_flag("scenes", HOME_HELP, optional=True)]
 Machine = Annotated[Any, file_flag("printers", "Printer: a template or a TOML file.")]
-Tilt = Annotated[float | None, Flag("Tilt of the legs, deg.", "DEG")]
+Tilt = Annotated[
+    float | None,
+    BeforeValidator(lambda value: None if value is None else field_values.parse_tilt(value)),
+    Flag("Tilt of the legs, deg.", "DEG"),
+]
 Legs = Annotated[Kind | None, Flag("Kind of legs: flexible or braced.", "KIND")]
 Tilts = Annotated[
     list[float] | None,

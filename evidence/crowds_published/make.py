@@ -90,9 +90,9 @@ def _simulate_crowd(case: Case, progress: Progress) -> Simulated:
 def check_size(size: Size) -> None:
     """Refuse runs that could not tell errors. Raises InputError."""
     if size.runs < MIN_RUNS:
-        raise InputError(f"--runs {size.runs}: at least {MIN_RUNS}, whose spread gives the errors")
+        raise InputError(f"--runs {size.runs}: must be at least {MIN_RUNS}. Their spread gives the errors.")
     if size.seconds < MIN_SECONDS:
-        raise InputError(f"--seconds {size.seconds:g}: at least {MIN_SECONDS:g}, for means")
+        raise InputError(f"--seconds {size.seconds:g}: must be at least {MIN_SECONDS:g}, for means")
 
 
 def expected_s(size: Size) -> float:

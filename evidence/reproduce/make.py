@@ -146,16 +146,14 @@ def check_job(job: Job) -> Parts:
     gammas = runs.sweep_values("figure5")[0] if job.gammas is None else job.gammas
     for scene in (job.measured, job.fitted):
         if scene.run.runs < MIN_RUNS:
-            raise InputError(f"--runs {scene.run.runs}: at least {MIN_RUNS}, whose spread gives the error bars")
+            raise InputError(f"--runs {scene.run.runs}: must be at least {MIN_RUNS}. Their spread gives errors.")
         if scene.run.seconds < MIN_SECONDS:
-            allowed = f"at least {MIN_SECONDS:g}, for displacements over 40 ms"
+            allowed = f"must be at least {MIN_SECONDS:g}, for displacements over 40 ms"
             raise InputError(f"--seconds {scene.run.seconds:g}: {allowed}")
     for flag, values, fewest in (("--tilt", tilts_deg, 3), ("--gamma", gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
             listed = ",".join(f"{value:g}" for value in values)
-            raise InputError(
-                f"{flag} {listed[:60]}: at least {fewest} values, from 0 upward in rising order, are needed"
-            )
+            raise InputError(f"{flag} {listed[:60]}: must be at least {fewest} values >= 0 in rising order")
     job.design.members([*tilts_deg, DRIVES_TILT_DEG], ("flexible", "braced"))
     return make_parts(job, tilts_deg, gammas)
 

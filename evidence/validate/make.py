@@ -28,7 +28,7 @@ def parse_groups(only: str | None) -> list[str]:
         return list(GROUPS)
     names = {name.strip().lower() for name in only.split(",")}
     for name in sorted(names - GROUPS.keys()):
-        raise InputError(f"--only {only[:60]!r}: {name[:30]!r} is no group of claims; choose from {', '.join(GROUPS)}")
+        raise InputError(f"--only {only[:60]!r}: {name[:30]!r} is not a group. Choose from {', '.join(GROUPS)}")
     return [group for group in GROUPS if group in names]
 
 

@@ -65,7 +65,7 @@ LONG = [
     ("set", "x" * 9_000 + "=1", "unknown key"),
     ("axes", "a." * 5000 + "a=1", "at most 10000"),
     ("design", "a = " + "[" * 20_000, "not valid TOML"),
-    ("design", LEGS * 33, "mine.toml:1: legs: 66 entries: must be at most 64"),
+    ("design", LEGS * 33, "mine.toml:1: legs: has 66 entries. It must have at most 64."),
     ("orders", ORDERS + "koumakis2016,10,," + "9" * 5000 + "\n", ":2: copies = "),
     ("orders", ORDERS + "koumakis2016,5,,1\n" * 5001, "5001 rows, at most 5000 are possible. Split the list."),
     ("orders", ORDERS + "#" * 10_000_000, "10000028 bytes, more than 1000000"),

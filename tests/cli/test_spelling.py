@@ -93,10 +93,10 @@ def test_spelling_leaves_data_as_they_are():
 
 
 CALLS = [
-    (lambda: wg.predict(tilt=95), r"^tilt=95: must lie in -85\.\.85 deg$"),
+    (lambda: wg.predict(tilt=95), r"^tilt=95: must be a number in -85\.\.85 deg$"),
     (lambda: wg.predict(mode="exact"), r"^mode='exact': must be one of"),
-    (lambda: wg.simulate(runs=0), r"^runs=0: must be a number >= 1"),
-    (lambda: wg.simulate(set={"scene.run.runs": 0}), r"^scene\.run\.runs = 0: must be a number >= 1"),
+    (lambda: wg.simulate(runs=0), r"^runs=0: must be a whole number >= 1"),
+    (lambda: wg.simulate(set={"scene.run.runs": 0}), r"^scene\.run\.runs = 0: must be a whole number >= 1"),
     (lambda: wg.simulate(error="5%", seconds=3), r"^seconds=3\.0: cannot be combined with error, which chooses it\."),
     (lambda: wg.predict(tilt=9, set={"legs.tilt_deg": 8}), r"^set legs\.tilt_deg: tilt=9\.0 sets it too"),
     (lambda: wg.track("x.mp4"), r"^the scale: give either mm_per_px, .*, or length, the length"),
@@ -119,7 +119,7 @@ def test_a_command_reads_of_its_flags_after_python_and_before():
         with pytest.raises(InputError, match=r"^tilt=95"):
             wg.predict(tilt=95)
         error = CliRunner().invoke(command_line, ["predict", "--tilt", "95"]).exception
-        assert str(error) == "--tilt '95': 95 must lie in -85..85 deg"
+        assert str(error) == "--tilt '95': must be a number in -85..85 deg"
 
 
 def texts():

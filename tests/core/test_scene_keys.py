@@ -42,7 +42,7 @@ def rows(name, table):
     for key, field in table.model_fields.items():
         default = getattr(getattr(Scene(), name), key) if name != "drive" else field.default
         allowed = config.describe_allowed_values((name, key), Scene).removeprefix("must be ").removeprefix("a number ")
-        allowed = allowed.removeprefix("one of ").replace("'", "").replace("|", "or")
+        allowed = allowed.removeprefix("a whole number ").removeprefix("one of ").replace("'", "").replace("|", "or")
         types = {get_origin(kind) for kind in get_args(field.annotation)}
         allowed += ", or numbers" if Literal in types and types & {list, tuple} else ""
         allowed = allowed[3:].replace(" and <= ", " to ") if allowed.startswith(">= ") else allowed

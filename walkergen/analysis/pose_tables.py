@@ -55,13 +55,13 @@ def read_deeplabcut(path: Path) -> Source:
     titles = ("scorer", "individuals", "bodyparts", "coords")
     rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
     if not {"bodyparts", "coords"} <= set(rows):
-        raise InputError(f"{path}: begins as DeepLabCut's tables do, but has no lines bodyparts and coords")
+        raise InputError(f"{path}: a table of DeepLabCut needs the lines bodyparts and coords. Export it again.")
     first = next((at for at, cell in enumerate(rows["coords"]) if at and cell), 1)  # after a picture's folders
     parts, coords = rows["bodyparts"][first:], rows["coords"][first:]
     individuals = rows["individuals"][first:] if "individuals" in rows else [""] * len(parts)
     if not len(parts) == len(coords) == len(individuals):
         counts = (len(names) + first for names in (parts, coords, individuals))
-        raise InputError("{}: its lines of names have {}, {} and {} cells. Make them equal.".format(path, *counts))
+        raise InputError("{}: its header lines have {}, {} and {} cells. Make them equal.".format(path, *counts))
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
     below = ["\n"] * (len(rows) - 1)  # for the other lines of the header, so that line numbers stay
@@ -74,7 +74,7 @@ def read_deeplabcut(path: Path) -> Source:
     for person, part in dict.fromkeys(zip(individuals, parts, strict=True)):
         x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
         if x is None or y is None:
-            raise InputError(f"{path}: the part {safe_text.shorten_line(part)[:30]} has no x and y")
+            raise InputError(f"{path}: part {safe_text.shorten_line(part)[:30]} has no columns x and y. Export both.")
         unsure = False if likelihood is None else likelihood < MIN_LIKELIHOOD
         owned.setdefault(person, {})[part] = Part(np.where(unsure, np.nan, x), np.where(unsure, np.nan, y))
     if len(owned) > 1:
@@ -109,7 +109,7 @@ def read_sleap(path: Path, names: list[str]) -> Source:
     part_names = (name.removesuffix(".x") for name in names if name.endswith(".x"))
     parts = [part for part in part_names if f"{part}.y" in names]
     if not parts:
-        raise InputError(f"{path}: no part has both columns .x and .y")
+        raise InputError(f"{path}: no part has both columns .x and .y. Export both.")
     labels = columns.distinct_texts(track_columns.read_text(path), str(path), "track") if "track" in names else []
     wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
     words = {"track": labels} if labels else {}

@@ -155,7 +155,7 @@ def _parse_units(text: str) -> _Given:
         kind = next((kind for kind, known in kinds if unit in known), "")
         if not kind or kind in units:
             raise InputError(
-                f"‹unit=›{safe_text.shorten_line(text)[:40]}: must be a unit of places "
+                f"‹unit=›{safe_text.shorten_line(text)[:40]}: must be a unit of positions "
                 f"({', '.join((*LENGTH_UNITS_MM, PIXEL))}), of times "
                 f"({', '.join((*TIME_UNITS_S, 'frame'))}), of headings ({', '.join(ANGLE_UNITS_RAD)}), or "
                 "one of each, as cm,deg",
@@ -169,7 +169,7 @@ def _read_walkergen(path: Path, source: Source, units: Units) -> Tracks:
     """Read a file that walkergen wrote: of a walker seen from above, with a heading, or of one in a lane."""
     headed = "y" in source.table.values
     if units.y_down:
-        y = "has y to the left of x" if headed else "is a lane's, without y across it"
+        y = "has y to the left of x" if headed else "is of a walker in a lane, and has no y"
         raise InputError(f"‹y_down›: {path} {y}; leave out ‹y_down›")
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
@@ -293,7 +293,7 @@ def _describe_y_axis(source: Source, units: Units) -> str:
         return "y counts rows downward, by ‹y_down›: turned over"
     if source.program:
         return f"y grows upward, as in {source.program}"
-    return "y is taken to grow upward: for rows of a picture give ‹y_down›, which turns the sign of turning"
+    return "y is taken to grow upward: for rows of a picture give ‹y_down›, which reverses the sign of turning"
 
 
 def _scale_se(path: Path, table: Columns) -> float | None:

@@ -50,7 +50,7 @@ def _from_rows(
     `bad`: reasons by line; `unit` of x and y; `frame_s`: time between frames, s, if known.
     """
     if not rows:
-        raise InputError(f"{path}: no track in it")
+        raise InputError(f"{path}: contains no track. Export it with at least one track.")
     frame, particle, x, y = np.array(rows, dtype=float).T
     values = {"frame": frame, "particle": particle, "x": x, "y": y}
     named = {"frame": NamedColumn("frame", ""), "x": NamedColumn("x", unit), "y": NamedColumn("y", unit)}
@@ -59,7 +59,7 @@ def _from_rows(
     table = Columns(values, np.array(lines, np.int64), bad)
     beyond = ~(np.abs(np.array(rows)) <= columns.MAX_MAGNITUDE).all(axis=1)
     return Source(
-        table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, y_down=True
+        table.reject_rows(beyond, f"has no numbers within ±{columns.MAX_MAGNITUDE:g}"), named, program, y_down=True
     )
 
 
@@ -75,9 +75,12 @@ def read_xml(path: Path) -> Source:
         if root.get("class", "").endswith(".TrackerPanel"):
             return _from_tracker(path, root)
     except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InputError(f"{path}: is not valid XML of tracks: {file_reading.describe_error(error)}") from None
+        reason = file_reading.describe_error(error)
+        raise InputError(f"{path}: is not valid XML of tracks ({reason}). Export it again.") from None
     seen = safe_text.shorten_line(root.tag)[:30]
-    raise InputError(f"{path}: <{seen}> seen: must be TrackMate's <Tracks> or <TrackMate>, or a project of Tracker")
+    raise InputError(
+        f"{path}: begins with <{seen}>. Give <Tracks> or <TrackMate> of TrackMate, or a project of Tracker."
+    )
 
 
 def _from_trackmate(path: Path, root: ElementTree.Element) -> Source:

@@ -43,7 +43,7 @@ def read_tracker(path: Path, count: int) -> Source:
             raise track_columns.missing_column_error(path, [name for name in names if name], axis)
     if len(wide["x"]) != len(wide["y"]):
         raise InputError(
-            f"{path}: {len(wide['x'])} columns x and {len(wide['y'])} columns y: export both of each track"
+            f"{path}: {len(wide['x'])} columns x and {len(wide['y'])} columns y: export x and y of each track"
         )
     keys = [f"{axis} of track {n}" for n in range(len(wide["x"])) for axis in ("x", "y")]
     xy_columns = [at for pair in zip(wide["x"], wide["y"], strict=True) for at in pair]
@@ -53,7 +53,7 @@ def read_tracker(path: Path, count: int) -> Source:
     walkers = [(table.values[x], table.values[y]) for x, y in zip(keys[::2], keys[1::2], strict=True)]
     long = track_columns.to_long_table(table, "time", table.values[TIME_COLUMN], walkers, range(len(walkers)))
     if not len(long.lines):
-        raise InputError(f"{path}: nothing to read: no frame has both x and y")
+        raise InputError(f"{path}: nothing to read: no frame has both x and y. Export both.")
     titles = _split_cells(head[count - 1], mark)
     # With blanks between cells, one title of two words looks like two titles
     called = [titles[at] for at in range(1, len(titles)) if titles[at]] if mark != " " else []

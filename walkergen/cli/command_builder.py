@@ -178,6 +178,7 @@ def _run_request(name: str, request: "Request", json: bool, quiet: bool) -> None
 
 def _parameter(request: "type[Request]", field: str) -> Parameter:
     """Return the parameter that typer reads for a field of a request class: an argument, an option or a switch."""
+    from walkergen import field_values
     from walkergen.request import field_flag, field_help, flag_name
 
     flag, info = field_flag(request, field), request.model_fields[field]
@@ -185,6 +186,8 @@ def _parameter(request: "type[Request]", field: str) -> Parameter:
     default, name = _shell_default(info.get_default()), flag_name(request, field)
     default = default if isinstance(default, kind) else None
     shown: dict[str, Any] = {"metavar": flag.metavar or None, "help": field_help(request, field)}
+    if kind in (int, float):
+        shown["parser"] = field_values.read_number
     if flag.templates:
         shown["autocompletion"] = name_completion(flag.templates)
     if kind is bool:

@@ -65,7 +65,7 @@ OPEN_GROUND = Dish("periodic", (MAX_SIZE_MM,))
 def parse_dish(text: str, source: str = "‹arena›") -> Dish:
     """Parse a dish from a user's text, as in "disc:120". Raises InputError whose text begins with the key `source`."""
     kind, _, rest = text.partition(":")
-    given = f"{source} = {text[:80]!r}"
+    given = f"{source.replace('›', '=›')}{text[:80]!r}" if source.startswith("‹") else f"{source} = {text[:80]!r}"
     if kind not in SIZE_SYNTAX:
         raise InputError(f"{given}: must be a kind of dish with sizes in mm, for example {EXAMPLES}")
     form, count = SIZE_SYNTAX[kind]

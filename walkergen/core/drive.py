@@ -59,9 +59,7 @@ def _check_axis(value: Any) -> Any:
     numbers = value if isinstance(value, list) and len(value) == 3 and any(value) else [math.nan]
     if all(isinstance(number, (int, float)) and abs(number) <= 1e3 for number in numbers) or value in (*AXES, None):
         return value
-    raise ValueError(
-        f'{str(value)[:40]!r} is no axis: write "along", "across", "up", or three numbers in -1000..1000, not all 0'
-    )
+    raise ValueError('must be "along", "across", "up", or three numbers in -1000..1000, not all 0')
 
 
 class Drive(Section):

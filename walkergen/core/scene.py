@@ -262,9 +262,7 @@ def _parse_headings(value: Any) -> Any:
         isinstance(entry, (int, float)) and not isinstance(entry, bool) and abs(entry) <= 360 for entry in listed
     )
     if value != "uniform" and not (are_valid and listed):
-        raise ValueError(
-            f'{str(value)[:40]!r} is no heading: give numbers in -360..360 deg, as [0, 90, 180, 270], or "uniform"'
-        )
+        raise ValueError('must be one or several numbers in -360..360 deg, such as [0, 90, 180, 270], or "uniform"')
     return value if value == "uniform" else tuple(listed)
 
 

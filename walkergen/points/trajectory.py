@@ -28,9 +28,11 @@ def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
     """Raise InputError if samples every `interval` seconds of all runs would be more than MAX_SAMPLES."""
     wanted = runs * scene.run.seconds / interval
     if wanted > MAX_SAMPLES:
-        what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
-        fewer = "" if runs == 1 else ", ‹runs›"
-        raise InputError(f"{what} of {wanted:.3g} samples: at most {MAX_SAMPLES}. Lower ‹rate_hz›{fewer} or ‹seconds›.")
+        what, fewer = ("the run", "") if runs == 1 else (f"{runs} runs", ", ‹runs›")
+        raise InputError(
+            f"{what} would give {wanted:.3g} samples. At most {MAX_SAMPLES:g} are kept. "
+            f"Lower ‹rate_hz›{fewer} or ‹seconds›."
+        )
 
 
 def from_runs(results: Sequence[RunResult]) -> Trajectory:

@@ -24,7 +24,7 @@ def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
     ("name", "told"),
     [
         (".", "is a folder; give a CSV file"),
-        ("none.csv", "no such file"),
+        ("none.csv", "no such file. Check the path."),
         ("latin.csv", "not a CSV file in UTF-8: byte 0xe9; save it as UTF-8"),
         ("large.csv", "11 bytes, more than 10: is it the right file?"),
         ("x" * 300, "cannot be read: File name too long"),
@@ -46,7 +46,7 @@ def test_an_unreadable_file_gives_one_line_that_names_it(tmp_path, monkeypatch, 
 def test_a_file_in_the_place_of_a_walker_is_named_once():
     with pytest.raises(InputError) as caught:
         wg.predict("../none.svg")
-    assert str(caught.value) == "../none.svg: no such file"
+    assert str(caught.value) == "../none.svg: no such file. Check the path."
 
 
 def test_an_error_in_the_reader_is_not_blamed_on_the_file(tmp_path):

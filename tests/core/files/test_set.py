@@ -160,7 +160,7 @@ def test_paths_in_values_are_relative_to_the_current_folder(run, tmp_path):
     (row,) = json.loads(predict_json(run, "sub/disc.toml", "--set", "body.outline=box.svg"))["rows"]
     assert row["M_g"] == pytest.approx(20 * 12 * 3 * 1.24e-3, rel=1e-3)
     told = refusal_of(run, "predict", "sub/disc.toml", "--set", "body.outline=disc.svg")
-    assert told == "command line: disc.svg: no such file"
+    assert told == "command line: disc.svg: no such file. Check the path."
 
 
 def test_the_exit_code_is_two(run, monkeypatch, capsys):

@@ -121,7 +121,7 @@ def test_from_python_a_card_or_cards_make_the_same_crowd(run, asked, tmp_path):
     assert both.statistics.walkers == 4
     with pytest.raises(InputError, match="only cards"):
         wg.crowd(count={"bar.json": 2, "rotator": 2}, **keys)
-    with pytest.raises(InputError, match="a crowd has 1 to"):
+    with pytest.raises(InputError, match="the crowd must have 1 to"):
         wg.crowd(count=0, **keys)
 
 

@@ -38,10 +38,10 @@ def split_key_value(text: str) -> tuple[str, str]:
     return re.sub(r"\[0+(?=[0-9])", "[", key), value
 
 
-def parse_value(text: str) -> Any:
+def parse_value(text: str, key: str = "...") -> Any:
     """Return the TOML value of a text, or the text itself if it is no TOML, such as the bare word braced.
 
-    Numbers may begin or end with the point: .25 and 2.
+    Numbers may begin or end with the point: .25 and 2. Messages name `key`.
 
     Raises InputError for an invalid list or table: a shell removes quotes.
     """
@@ -52,7 +52,7 @@ def parse_value(text: str) -> Any:
     except ValueError:  # no TOML; a number of more digits than Python reads
         if text.startswith(("[", "{")):
             raise InputError(
-                f"‹set› ...={text[:60]!r}: is not a list or table of TOML. Put words in "
+                f"‹set› {key[:60]}={text[:60]!r}: is not a list or table of TOML. Put words in "
                 f"quotes, and in a shell quote all: ‹set› 'family.legs=[\"braced\"]'"
             ) from None
         return text
@@ -162,7 +162,7 @@ def _set_value(data: dict[str, Any], path: list[str], value: Any) -> None:
         inner = table.setdefault(name, {}) if number is None else _find_list(table, step)[number - 1]
         if not isinstance(inner, dict):
             listed = isinstance(inner, list)
-            reason = f"is a list: number its entry, as in {step}[1]" if listed else "is a value, not a table"
+            reason = f"is a list: number its entry, as in {step}[1]" if listed else f"has no keys. Set {step} itself."
             raise InputError(f"{step} {reason}")
         table = inner
     name, number = _split_index(last)

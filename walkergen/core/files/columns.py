@@ -103,7 +103,8 @@ def parse_records(lines: Iterable[str], source: str) -> Records:
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(names):
-            raise InputError(f"{source}:{at}: {len(row)} cells, the header has {len(names)}: {SEPARATOR_HINT}")
+            seen = "1 cell" if len(row) == 1 else f"{len(row)} cells"
+            raise InputError(f"{source}:{at}: {seen}, the header has {len(names)}: {SEPARATOR_HINT}")
         rows.append((at, dict(zip(names, row, strict=True))))
     return Records(names, rows)
 

@@ -9,6 +9,7 @@ import reprlib
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from datetime import date, time
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
 
@@ -37,14 +38,20 @@ DEEP_KEY_PATTERN = re.compile(
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Signs of the limits of a number, by pydantic's names of them."""
-TYPE_RULES = {
-    "string_type": "must be text, in quotes",
-    "bool_type": "must be true or false",
-    "list_type": "must be a list, in brackets",
-}
+TYPE_RULES = {"string_type": "must be text", "bool_type": "must be true or false", "list_type": "must be a list"}
 """Descriptions of the required form, by pydantic's names of the mistakes."""
 
+QUOTES = {"string_type": '"{}" with its quotes', "list_type": "[{}]"}
+"""Forms in which a single value becomes one of the required type, by pydantic's names of the mistakes."""
+
 MAX_LISTED_CHOICES = 10  # most choices that a message lists in full; of more it lists the nearest three
+TOML_MISTAKES = {
+    "Cannot overwrite a value": "a key is set twice; remove one",
+    "Invalid value": "a value is missing, or is text without quotes; write the value",
+    "Invalid statement": "a line must be KEY = VALUE, a [TABLE] or a # comment",
+}
+"""Descriptions of mistakes of TOML whose texts by tomllib give no advice."""
+
 VALUE_REPR = reprlib.Repr()
 VALUE_REPR.maxstring = VALUE_REPR.maxother = VALUE_REPR.maxlong = 200
 
@@ -125,7 +132,9 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
         return parse_toml(text), text
     except ValueError as error:
         hint = WINDOWS_PATH_HINT if re.search(r"hex value|Unescaped", str(error)) and "\\" in text else ""
-        raise InputError(f"{path}: not valid TOML: {error}{hint}") from None
+        problem, bracket, place = str(error).partition(" (at ")
+        described = TOML_MISTAKES.get(problem, problem)
+        raise InputError(f"{path}: not valid TOML: {described}{bracket}{place}{hint}") from None
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -231,30 +240,46 @@ def _leading_key(problem: str, model: type[Section]) -> str:
 def _explain_mistake(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
     """Explain a mistake from pydantic's list in one line: file and line, key, wrong value, allowed values."""
     location = _key_path(mistake["loc"], model)
+    value, kind = mistake["input"], mistake["type"]
+    problem = mistake["msg"].removeprefix("Value error, ")
+    if longer := _leading_path(problem, location, model) if kind == "value_error" else ():
+        location, problem = longer, problem[len(problem.split(" ", 1)[0].rstrip(":")) :]
     position = format_location(location, source, text)
     key = plain.shorten_line(prefix + ".".join(location) or "file")
-    if mistake["type"] == "extra_forbidden":
+    if kind == "extra_forbidden":
         return f"{position}: {_shorten(key)}: {_suggest_known_keys(location, model, prefix)}"
-    if mistake["type"] == "value_error":  # raised by a table's own check, in full words
-        return f"{position}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
-    if mistake["type"] in ("too_short", "too_long"):
-        words, limit = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}[mistake["type"]]
-        count = len(mistake["input"])
-        return f"{position}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
-    seen_value = " is missing" if mistake["type"] == "missing" else f" = {_format_value(mistake['input'])}"
-    rule = (
-        TYPE_RULES.get(mistake["type"]) or describe_allowed_values(location, model, mistake["input"]) or mistake["msg"]
-    )
-    seen_text = mistake["input"] if isinstance(mistake["input"], str) else ""
-    if rule.startswith("must be a number") and formatting.parse_number(seen_text) is not None:
+    if kind == "value_error":  # raised by a table's own check, in full words
+        shown = "" if longer else f" = {_format_value(value)}: " if problem.startswith("must ") else ": "
+        return f"{position}: {key}{shown}{problem}"
+    if kind in ("too_short", "too_long"):
+        words, limit = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}[kind]
+        entries = f"{len(value)} {'entry' if len(value) == 1 else 'entries'}"
+        return f"{position}: {key}: has {entries}. It must have {words} {mistake['ctx'][limit]}."
+    seen_value = " is missing" if kind == "missing" else f" = {_format_value(value)}"
+    rule = TYPE_RULES.get(kind) or describe_allowed_values(location, model, value, prefix) or problem
+    if kind in QUOTES and isinstance(value, (int, float, str)):
+        rule += f". Write {QUOTES[kind].format(_format_value(value))}."
+    seen_text = value if isinstance(value, str) else ""
+    if rule.startswith(("must be a number", "must be a whole")) and formatting.parse_number(seen_text) is not None:
         rule += ". It is text: write the number without quotes."
     return f"{position}: {key}{seen_value}: {rule}"
+
+
+def _leading_path(problem: str, location: tuple[str, ...], model: type[Section]) -> tuple[str, ...]:
+    """Return the path of the key that a problem of the table at `location` begins with; () for another word."""
+    path = _split_key(problem.split(" ", 1)[0].rstrip(":"))
+    longer = path if path[: len(location)] == location else location + path
+    return longer if _field_at(longer, model) is not None else ()
 
 
 def _format_value(value: Any) -> str:
     """Format a wrong value for a message, shortened."""
     if isinstance(value, dict):
         return "a table"
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "a list of tables"
+    if isinstance(value, (bool, date, time)):
+        return str(value).lower()
     if isinstance(value, int) and abs(value) > MAX_INTEGER:
         return f"a whole number of about {value.bit_length() * 0.30103:.0f} digits"
     return _shorten(VALUE_REPR.repr(value))
@@ -353,7 +378,7 @@ def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix:
     near = [path for path in keys if path[-1] == location[-1]] + [path for path in in_table if path[-1] in close]
     if near:
         return f"unknown key; did you mean {prefix}{'.'.join(near[0])}?"
-    return f"unknown key; known here: {', '.join(path[-1] for path in in_table if table or len(path) == 1)}"
+    return f"unknown key. Use one of {', '.join(path[-1] for path in in_table if table or len(path) == 1)}."
 
 
 def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
@@ -391,42 +416,57 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
     return _section_type(field.annotation, listed="[" in location[-1]) if field else None
 
 
-def describe_allowed_values(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
+def describe_allowed_values(
+    location: tuple[str, ...], model: type[Section], seen: object = None, prefix: str = ""
+) -> str:
     """Describe the values that a key may hold, from the model's constraints, or return '' without constraints.
 
-    Of many allowed words it lists only those most like the wrong value, `seen`.
+    Of many words it names those most like the wrong value, `seen`. Keys of a table are listed after `prefix`.
     """
     field = _field_at(location, model)
     if field is None:
         return ""
-    if tables := _describe_tables(_without_index(location[-1]), field.annotation):
+    if tables := _describe_tables(_without_index(location[-1]), field.annotation, prefix + ".".join(location)):
         return tables
     metadata, types = list(field.metadata), [field.annotation]
+    is_whole = False
     while types:
         annotation = types.pop()
+        is_whole |= annotation is int
         if get_origin(annotation) is Literal:
             choices = get_args(annotation)
             lists_all = seen is None or len(choices) <= MAX_LISTED_CHOICES
             shown = choices if lists_all else difflib.get_close_matches(str(seen), choices, 3, 0.0)
-            return "must be one of " + ", ".join(map(repr, shown)) + ("" if lists_all else ", ...")
+            return (
+                ("must be " if len(choices) == 1 else "must be one of ")
+                + ", ".join(map(repr, shown))
+                + ("" if lists_all else ", ...")
+            )
         metadata += getattr(annotation, "__metadata__", ())
         types += get_args(annotation)
     if any(getattr(item, "pattern", None) == NAME_PATTERN for item in metadata):
         return "must be 1 to 64 letters, digits, - or _, the first a letter or digit"
     if bounds := _describe_bounds(metadata):
         described = f" ({field.description})" if field.description else ""
-        return f"must be a number {bounds}{described}"
+        return f"must be a {'whole ' if is_whole else ''}number {bounds}{described}"
     return f"must be {field.description}" if field.description else ""
 
 
-def _describe_tables(key: str, annotation: Any) -> str:
-    """Describe the tables, such as "a table [legs] of keys", that a field of this type may hold, or return ''."""
-    forms = [
-        f"{start}{key}{end}"
-        for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))
-        if _section_type(annotation, listed)
+def _describe_tables(key: str, annotation: Any, path: str) -> str:
+    """Describe the tables that a field of this type may hold under `key`, or return '' if it holds none.
+
+    `path`: the whole key, for an example.
+    """
+    tables = [
+        (f"{start}{key}{end}", example, section)
+        for start, end, example, listed in (("a table [", "]", path, False), ("tables [[", "]]", f"{path}[1]", True))
+        if (section := _section_type(annotation, listed))
     ]
-    return "must be " + ", or ".join(forms) if forms else ""
+    if not tables:
+        return ""
+    _, example, section = tables[0]
+    forms = ", or ".join(form for form, _, _ in tables)
+    return f"must be {forms}. Set its keys, such as {example}.{next(iter(section.model_fields))}."
 
 
 def _describe_bounds(metadata: list[Any]) -> str:

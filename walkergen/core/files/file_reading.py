@@ -74,8 +74,12 @@ def read_json(path: Path, most_bytes: int = MAX_BYTES) -> Any:
         json.dumps(data, ensure_ascii=False, allow_nan=False).encode()  # NaN, halves of letters
         return data
     except (ValueError, RecursionError) as error:
-        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise InputError(f"{path}: not valid JSON: {reason}") from None
+        reason = "nested too deeply" if isinstance(error, RecursionError) else "it contains NaN or Infinity"
+        if isinstance(error, json.JSONDecodeError):
+            reason = f"line {error.lineno}, column {error.colno}: {error.msg.removesuffix(' starting at')}"
+        elif isinstance(error, UnicodeError):
+            reason = "it is not UTF-8"
+        raise InputError(f"{path}: not valid JSON ({reason}). Correct it, or write the file again.") from None
 
 
 def check_readable(path: Path, format: str) -> None:
@@ -110,7 +114,7 @@ def describe_error(error: Exception) -> str:
     """Describe a library's error on a file. An error that concerns only the library's own code has a general text."""
     is_internal = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
     text = " ".join(str(error).split())[:100]
-    return "its parts do not fit together, or it breaks off" if is_internal or not text else text
+    return "it is incomplete, or its parts contradict each other" if is_internal or not text else text
 
 
 def read_lines(
@@ -158,7 +162,7 @@ def _open_regular_file(path: Path, format: str, most_bytes: int | None) -> Itera
             _check_regular_file(path, os.fstat(descriptor), format, most_bytes)
             yield stream
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
+        raise InputError(f"{path}: no such file. Check the path.") from None
     except UnicodeDecodeError as error:
         seen = f"byte 0x{error.object[error.start]:02x}"
         raise InputError(f"{path}: not {format} in UTF-8: {seen}; save it as UTF-8") from None

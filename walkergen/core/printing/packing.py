@@ -248,6 +248,7 @@ def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
     raise PlateError(
         f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
         f"height) does not fit {printer.name}. Its bed is {width:g} x {depth:g} mm inside margins of "
-        f"{border_width(printer):g} mm, and it prints {printer.height_mm:g} mm high"
-        + (f". {others} more do not fit either." if others else "")
+        f"{border_width(printer):g} mm, and it prints {printer.height_mm:g} mm high. "
+        + (f"{others} more do not fit either. " if others else "")
+        + "Choose a larger printer, or make the part smaller."
     )

@@ -86,12 +86,12 @@ class Cap(Section):
         if self.number >= self.count:
             raise ValueError(
                 f"number = {self.number}: the markers of {self.dictionary!r} are numbered "
-                f"0..{self.count - 1}" + ("" if self.count > 50 else "; '4x4_100' has more")
+                f"0..{self.count - 1}" + ("" if self.count > 50 else ". For more, set dictionary = '4x4_100'")
             )
         if self.kind == "engraved" and self.relief_mm > 0.7 * self.thickness:
             raise ValueError(
-                f"relief_mm = {self.relief_mm:g}: pockets may be 0.7 of the tile's thickness, "
-                f"{self.thickness:g} mm, at most: make thickness_mm larger"
+                f"relief_mm = {self.relief_mm:g}: must be at most 0.7 times the tile's thickness, "
+                f"{self.thickness:g} mm. Lower it, or raise thickness_mm"
             )
         return self
 

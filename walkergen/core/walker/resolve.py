@@ -123,9 +123,7 @@ def check_buildable(spec: WalkerSpec) -> None:
         foot_height = min(limb.foot_height for limb in place_legs(spec))
         faults = find_fit_problems(spec.parts, spec.pocket_settings, shape.size, foot_height)
     if spec.pockets is not None and not spec.parts:
-        faults.append(
-            "pockets = ...: there is no motor or battery. Add a table [motor] or [battery], or remove [pockets]."
-        )
+        faults.append("pockets: there is no motor or battery. Add a table [motor] or [battery], or remove [pockets].")
     if faults:
         raise GeometryError("\n".join(faults), helps=find_remedies)
 
@@ -156,7 +154,7 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
     if spec.body.plain or (spec.letters and spec.body.flat):
         return faults
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
-    rule = "digits and notches need a rectangular body, text needs one or a body in plan view. Remove it."
+    rule = "digits and notches need a rectangular body. Text needs one, or a body with an outline. Remove it."
     return [f"{key}: {rule}", *faults]
 
 

@@ -328,11 +328,11 @@ def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
     del merged["walker"]
     if not isinstance(table, Mapping) or not {"mesh", "legs_below_mm"} <= set(table):
         raise GeometryError(
-            "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm. Parts below this "
+            "walker: a finished walker needs a table [walker] with mesh and legs_below_mm. Parts below this "
             "height above its lowest point are legs."
         )
     if "body" in data or "legs" in data:
-        raise GeometryError("walker = ...: a finished walker already has a body and legs. Remove [body] and [legs].")
+        raise GeometryError("walker: a finished walker already has a body and legs. Remove [body] and [legs].")
     merged["body"] = {key: value for key, value in table.items() if key != "legs"}
     if "legs" in table:
         merged["legs"] = {"kind": table["legs"]}

@@ -125,8 +125,8 @@ def _parse_body(body: str | None) -> tuple[Array, ...]:
         return tuple(top_outline.outline_of(templates.load(body, "walkers", Design)))
     if len(sizes) > 2 or not all(size is not None and MIN_SIZE_MM <= size <= MAX_SIZE_MM for size in sizes):
         raise InputError(
-            f"‹body=›{shorten_line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
-            f"disc, as 20, or a walker, mm, in {MIN_SIZE_MM:g}..{MAX_SIZE_MM:g}"
+            f"‹body=›{shorten_line(body)[:40]}: must be LENGTHxWIDTH in mm, such as 24x8, the DIAMETER of a "
+            f"disc in mm, such as 20, or a walker. Sizes must lie in {MIN_SIZE_MM:g}..{MAX_SIZE_MM:g} mm."
         )
     half = 0.5 * np.array([size for size in sizes if size is not None])
     if len(half) == 2:

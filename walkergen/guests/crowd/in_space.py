@@ -48,8 +48,8 @@ def make_population(
     total = sum(kind.walkers for kind in kinds)
     if total > MAX_WALKERS:
         raise InputError(
-            f"{total} walkers: a crowd in space has at most {MAX_WALKERS}. Use ‹model=›flat with a card of the walker "
-            "(`walkergen crowd --card`)."
+            f"{total} walkers: ‹model=›space simulates at most {MAX_WALKERS}. Use fewer, or ‹model=›flat "
+            "with a card of the walker (`walkergen crowd --card`)."
         )
     population = Population(scene, tuple(kinds))
     populations.check_population(request, population)

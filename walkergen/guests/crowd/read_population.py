@@ -19,7 +19,8 @@ def read_population(request: CrowdRequest) -> Population:
     """Read the files that a request names, and return its population. Raises InputError."""
     counts = list(request.count.values()) if isinstance(request.count, dict) else None
     if counts is not None and request.design is not None:
-        raise InputError(f"‹count=›{request.count}: already names the designs. Leave ‹design› out.", "count")
+        shown = ",".join(f"{name}:{count}" for name, count in request.count.items())
+        raise InputError(f"‹count=›{shown[:60]}: already names the designs. Leave ‹design› out.", "count")
     total = sum(counts) if counts else request.count
     given = request.inputs({} if total is None else {"scene.crowd.count": ("count", total)})
     sources = list(request.count) if isinstance(request.count, dict) else [request.design or PAPER_WALKER]

@@ -31,7 +31,7 @@ def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, 
             pairs.append((name, parse_count(number, MAX_WALKERS)))
     for name, count in pairs:
         if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_WALKERS:
-            raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MAX_WALKERS}")
+            raise ValueError(f"write DESIGN:N for {name[:40]!r}, with a whole number N in 1..{MAX_WALKERS}")
     if not pairs:
         raise ValueError(
             f"must be a whole number in 1..{MAX_WALKERS}, or designs with their numbers, as in polar-disc:20,rotator:10"
@@ -46,7 +46,8 @@ def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, 
 def check_count(count: int, source: str) -> int:
     """Return `count`. Raises InputError if it is below 1 or too large; `source` begins the message."""
     if not 1 <= count <= MAX_WALKERS:
-        raise InputError(f"{source}: a crowd has 1 to {MAX_WALKERS} walkers")
+        change = "Raise" if count < 1 else "Lower"
+        raise InputError(f"{source}: the crowd must have 1 to {MAX_WALKERS} walkers. {change} this value.")
     return count
 
 
@@ -57,5 +58,5 @@ def walker_count(scene: Scene, area_mm2: float) -> int:
         count = DEFAULT_COUNT if crowd.count is None else crowd.count
         return check_count(count, f"crowd.count = {count}")
     count = round(crowd.packing * dish.area / area_mm2)
-    source = f"crowd.packing = {crowd.packing:g}: {count} walkers of {area_mm2:.4g} mm²"
+    source = f"crowd.packing = {crowd.packing:g}: gives {count} walkers of {area_mm2:.4g} mm²"
     return check_count(count, f"{source} in {dish.words}")

@@ -34,7 +34,9 @@ class Samples(Section):
     method: Method = "sobol"
     points: Annotated[int, Field(ge=1, le=axes.MAX_VALUES)]
     """Number of points, of a Sobol sequence best a power of two."""
-    between: Annotated[Table, Field(description="a table [sample.between] of keys and bounds", min_length=1)]
+    between: Annotated[
+        Table, Field(description='a table [sample.between], such as legs.width_mm = "2:4"', min_length=1)
+    ]
 
 
 class Contents(Section):
@@ -48,8 +50,8 @@ class Contents(Section):
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     """Seed of the samples. The seed of runs is scene.run.seed."""
     keep: Annotated[list[str] | None, Field(description="a list of groups")] = None
-    set: Annotated[Table, Field(description="a table [set] of keys and values", default_factory=dict)]
-    grid: Annotated[Table, Field(description="a table [grid] of keys and ranges or lists", default_factory=dict)]
+    set: Annotated[Table, Field(description='a table [set], such as "legs.foot" = "round"', default_factory=dict)]
+    grid: Annotated[Table, Field(description='a table [grid], such as legs.tilt_deg = "0:45:5"', default_factory=dict)]
     sample: Samples | None = None
 
     @field_validator("model")
@@ -57,7 +59,7 @@ class Contents(Section):
     def _check_model(cls, name: str | None) -> str | None:
         """Return the name of the model. Raises ValueError if it is unknown."""
         if name is not None and name not in model_kinds.ALL_MODELS:
-            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(model_kinds.ALL_MODELS)}")
+            raise ValueError(f"must be one of {', '.join(model_kinds.ALL_MODELS)}")
         return name
 
     @field_validator("keep")
@@ -68,7 +70,7 @@ class Contents(Section):
             if not any(name in model_kinds.load_kind(kind).GROUPS for kind in model_kinds.KIND_MODULES):
                 groups = {kind: ", ".join(model_kinds.load_kind(kind).GROUPS) for kind in model_kinds.KIND_MODULES}
                 allowed = "; ".join(
-                    f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items()
+                    f"for a {kind}: {words}" if kind != ALONE else words for kind, words in groups.items()
                 )
                 raise ValueError(f"{name[:30]!r}: must be one of {allowed}")
         return names
@@ -210,7 +212,7 @@ def _parse_axis(key: str, value: Any, start: str) -> Axis:
     values = value if isinstance(value, list) else [value]
     for entry in values:
         if isinstance(entry, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", entry):
-            raise InputError(f'{start}: {entry[:60]!r} is in a list. Write one text, "0:10:5,20".')
+            raise InputError(f'{start}: a list cannot contain the range {entry[:60]!r}. Write one text, "0:10:5,20".')
     return axes.make_axis(key, values, start)
 
 

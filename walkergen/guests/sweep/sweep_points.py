@@ -77,7 +77,7 @@ class SweepPoints(NamedTuple):
         """Raise InputError for an unknown key, value or group, or if all points of a small sweep are invalid."""
         model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
-            raise InputError(f"‹error=›{self.wanted}: a prediction needs no error. Remove it, or give ‹model=›space.")
+            raise InputError(f"‹error=›{self.wanted}: applies only to simulations. Remove it, or give ‹model=›space.")
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
             raise InputError(f"‹error=›{self.wanted}: does not apply to crowds. Set scene.run.runs instead.")
         for key in self.space.keys:
@@ -110,8 +110,8 @@ class SweepPoints(NamedTuple):
             if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 if self.file is None:
                     raise
-                is_number = "must be a number" in error.text and isinstance(value, (list, dict))
-                advice = '. In [grid] also a list of numbers, or a range such as "0:45:5"' if is_number else ""
+                is_number = " number >" in error.text and isinstance(value, (list, dict))
+                advice = '. Or write a list of numbers, or a range such as "0:45:5"' if is_number else ""
                 raise InputError(error.text.replace(f"{source}: ", f"{source}.") + advice, *error.keys) from None
 
     def try_point(self, values: Mapping[str, Any]) -> PointOrRefusal:

@@ -309,7 +309,7 @@ class Tree:
         if target is None:
             raise self._input_error(f"<use> refers to {link[:60]!r}, which the file does not contain.")
         if target in context.inside:
-            raise self._input_error("a <use> repeats itself without end")
+            raise self._input_error("a <use> contains itself. Remove it, and save a plain SVG.")
         shift = [
             self._parse_length(element, key, context, whole) for key, whole in zip("xy", context.view, strict=True)
         ]

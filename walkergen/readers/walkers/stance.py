@@ -39,7 +39,7 @@ def level_feet(data: Mapping[str, Any], default_tilt_deg: float) -> dict[str, An
     for name in ("motor", "battery"):
         if data.get(name) is not None:
             raise GeometryError(
-                f"{name} = ...: a walker with stance = 'as built' cannot carry one. Remove it, or remove stance and "
+                f"{name}: a walker with stance = 'as built' cannot carry one. Remove it, or remove stance and "
                 "give all feet one height."
             )
     parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _leg_list(data)})

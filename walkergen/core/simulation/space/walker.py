@@ -270,7 +270,7 @@ def _choose_step(given_us: float | None, resolving_step: float) -> float:
         return resolving_step
     if 1e-6 * given_us > MAX_STEP_RATIO * resolving_step:
         raise InputError(
-            f"run.step_us = {given_us:g}: steps over the contacts of these feet. Give at most "
+            f"run.step_us = {given_us:g}: longer than a contact of these feet. Give at most "
             f"{1e6 * MAX_STEP_RATIO * resolving_step:.3g}, or leave the key out ({1e6 * resolving_step:.3g})."
         )
     return 1e-6 * given_us

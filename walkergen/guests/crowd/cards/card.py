@@ -176,7 +176,7 @@ class Card(Section):
         ):
             number = getattr(self, key)
             if number is not None and number.number < 0:
-                raise ValueError(f"{key}.value = {number.number:g} must be >= 0")
+                raise ValueError(f"{key}.value = {number.number:g}: must be >= 0")
         return self
 
 

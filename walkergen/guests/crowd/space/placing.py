@@ -195,8 +195,8 @@ def _check_size(shapes: Outlines, dish: Dish) -> None:
 def _density_error(count: int, packing: float, reached: float | None) -> InputError:
     """Return the error for a crowd without room; `reached`: largest packing that fitted, if known."""
     number = "one walker does" if count == 1 else f"{count} walkers do"
-    dense = "" if reached is None else f", which was filled to {reached:.2f} at most"
+    dense = "" if reached is None else f" At most {reached:.2f} was reached."
     return InputError(
-        f"crowd.packing = {packing:.2f}: {number} not fit into this dish{dense}. "
+        f"{number} not fit into this dish: they would fill {packing:.2f} of it.{dense} "
         "Use fewer walkers (‹count›, ‹packing›), or a larger dish (‹arena›)."
     )

@@ -193,14 +193,14 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
     if measurable is None:
         raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
     if name not in measurable:
-        raise InputError(f"measured {name[:40]!r}: of {part} must be one of {', '.join(measurable)}")
+        raise InputError(f"measured {name[:40]!r}: must be one of {', '.join(measurable)} for {part}")
     if not row["reading"].strip():
         return None
     kind = measurable[name]
     conditions = {column: _parse_condition(row[column].strip(), column, name, kind) for column in CONDITION_COLUMNS}
     film = row.get(TRACKS_COLUMN, "").strip()
     if film and name != FILMED_ANGLE:
-        raise InputError(f"{name} has no column {TRACKS_COLUMN}: leave it blank")
+        raise InputError(f"{name} does not use the column {TRACKS_COLUMN}. Leave it blank.")
     if name == FILMED_ANGLE and not film:
         raise InputError(f"{name} needs the column {TRACKS_COLUMN}: the tracks.csv of the slide's film")
     value, what = _parse_number("reading", row["reading"], 1e5, allow_zero=True), "reading"
@@ -215,7 +215,7 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
         if column != "unloaded_mm" and conditions[column] <= 0.0:
             raise InputError(f"{column} = {conditions[column]:g}: must be > 0")
     if not row["error"].strip():
-        raise InputError(f"{name}: no error. Write the standard deviation of a reading, such as {kind.error:g}")
+        raise InputError(f"{name}: error is blank. Write the standard deviation of a reading, such as {kind.error:g}")
     error = _parse_number("error", row["error"], 1e5)
     error *= math.sqrt(2.0) if is_difference else 1.0  # both readings have this error
     return _Condition(part, name, conditions["weight_g"], conditions["at_mm"], film), value, error
@@ -224,9 +224,9 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
 def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
     """Parse the cell of a column in the row of the reading `name`, or return 0 if it is blank. Raises InputError."""
     if cell and column not in kind.required_columns + kind.optional_columns:
-        raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
+        raise InputError(f"{column} = {cell[:30]!r}: {name} does not use this column. Leave it blank.")
     if not cell and column in kind.required_columns:
-        raise InputError(f"{name} needs {column} as well")
+        raise InputError(f"{column} is blank. Fill it in: {name} needs it.")
     return _parse_number(column, cell, 1e5, allow_zero=True) if cell else 0.0
 
 

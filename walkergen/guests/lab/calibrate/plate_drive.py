@@ -87,7 +87,7 @@ def calibrate(path: Path, setup: Setup, folder: Path | None) -> LabReport:
     """Return the report of the plate's motion in the recording `path`, with the updated scene. Raises InputError."""
     scene = setup.scene
     if scene.drive.kind == "motor":
-        raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
+        raise InputError(f"‹plate=›{path}: this scene has a motor. Give a scene with a shaken plate.")
     recording = accelerometer.read_recording(path)
     rows, notes = measure(recording, scene, str(path))
     settings, used = _scene_settings(rows, notes)

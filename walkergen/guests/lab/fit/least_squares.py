@@ -105,8 +105,8 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     if dof < 1:
         raise InputError(
             f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
-            f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8. Other models use priors, and accept any "
-            "number of speeds"
+            f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8. Or leave ‹model› out: the other "
+            "models accept any number of speeds"
         )
     if np.abs(speeds_at_unit_factor(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
         raise InputError(

@@ -197,7 +197,8 @@ def _predicted_settings(
     missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
     if len(missing) + len(settings) > MAX_SETTINGS:
         raise InputError(
-            f"‹predict›: {len(missing)} tilts and {len(settings)} measured ones exceed the maximum of {MAX_SETTINGS}"
+            f"‹predict›: {len(missing)} tilts and {len(settings)} measured ones are more than {MAX_SETTINGS}. "
+            "Give fewer tilts."
         )
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 

@@ -46,9 +46,9 @@ class FitRequest(FitFields):
         from walkergen.guests.lab.report import Setup
 
         if self.model == "theory":
-            self.check_unset("‹model=›theory has none", "predict", "prior", "seed")
+            self.check_unset("‹model=›theory does not use it", "predict", "prior", "seed")
         else:
-            self.check_unset(f"a mode of the theory; ‹model=›{self.model} has none", "mode")
+            self.check_unset(f"applies only to ‹model=›theory, not to ‹model=›{self.model}", "mode")
         given = self.inputs()
         setup = Setup(given.design(self.design), given.scene(self.scene))
         return make.fit(self, setup, output.result_folder(self.speeds, self.out, "fit"), progress, self._expect)

@@ -52,7 +52,7 @@ def speed_models(inputs: FitInputs, settings: Sequence[Setting]) -> list[Surroga
             known = surrogate.case_in_domain(scene, design, mass_of(design), only_certain=False)
         except UnknownError as error:
             raise InputError(
-                f"{design.name}, tilt {setting.tilt:g} deg: no fit without simulation ({error.text}). "
+                f"{design.name}, tilt {setting.tilt:g} deg: cannot be fitted without simulation ({error.text}). "
                 "Add ‹model=›space, or leave this tilt out."
             ) from None
         by_setting.append(SurrogateSpeed(setting, known, names))
