@@ -15,7 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, PrivateAttr, Valida
 from walkergen import field_values, inputs
 from walkergen.command_table import for_call, for_shell
 from walkergen.core.errors import InputError
-from walkergen.core.files import config, formatting, safe_text
+from walkergen.core.files import config, safe_text
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 
 if TYPE_CHECKING:
@@ -176,8 +176,7 @@ def field_help(request: type[Request], name: str) -> str:
     """Return the help text of a field of a request class, with the limits of a number."""
     text, metadata = field_flag(request, name).help, request.model_fields[name].metadata
     low, high = (
-        next((formatting.format_number(getattr(item, bound), 6) for item in metadata if hasattr(item, bound)), "")
-        for bound in ("ge", "le")
+        next((f"{getattr(item, bound):.6g}" for item in metadata if hasattr(item, bound)), "") for bound in ("ge", "le")
     )
     limits = f"{low}..{high}" if high else f"at least {low}"
     return f"{text.removesuffix('.')}; {limits}." if low else text

@@ -91,7 +91,7 @@ def test_a_film_of_unknown_scale_and_one_too_short_say_so(folder):
     write(folder / "brief.csv", 8, 2, seconds=0.1)
     seen = read(folder, "tilt_deg,tracks\n5,vague.csv\n10,brief.csv\n")
     assert len(seen.speed) == 2
-    assert any("the scale's error is not known" in note for note in seen.notes)
+    assert any("the scale's error is unknown" in note for note in seen.notes)
     assert "line 3: brief.csv: no walker has a speed" in seen.bad
 
 

@@ -80,7 +80,7 @@ def test_a_scale_without_an_error_says_so_and_a_simulation_needs_none(tmp_path, 
     path.write_text(ours(rows, SCALE, ""))
     unknown = wg.analyse(path)
     assert unknown.motion.scale_se is None
-    assert "scale's error is not known" in " ".join(unknown.notes)
+    assert "scale's error is unknown" in " ".join(unknown.notes)
     path.write_text(csv_text(report.COLUMNS[:9], [(*row, *row[2:5]) for row in rows]))
     exact = wg.analyse(path)
     assert exact.motion.scale_se == 0.0

@@ -110,7 +110,7 @@ def test_irregular_times_are_counted_and_used(tmp_path):
 def test_a_walker_at_rest_is_named_and_counts_in_no_mean(tmp_path):
     report = measure(tmp_path, film_rows(walkers=4, speeds=(SPEED, SPEED, 0.0, SPEED)))
     assert speed_holds(report)
-    assert any("1 of 4 walkers rest and are in no number: 2" in note for note in report.notes)
+    assert any("1 of 4 walkers rest and are left out of all numbers: 2" in note for note in report.notes)
     assert report.facts["speed_walkers"] == "3 of 4 walkers"
     assert "(3 of 4 walkers)" in report.markdown()
     (cell,) = [row[-1] for row in report.tables[0].rows if row[0] == "speed_mm_s"]

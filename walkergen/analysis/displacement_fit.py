@@ -85,8 +85,8 @@ class DisplacementFit(NamedTuple):
         if math.isnan(self.p_value):
             return ""
         return (
-            f"fit of the squared displacement: misfit {self.misfit:.2g} of what chance makes on "
-            f"average, probability {self.p_value:.2g}"
+            f"fit of the squared displacement: misfit {self.misfit:.2g} times the value "
+            f"expected by chance, probability {self.p_value:.2g}"
         )
 
     def regime(self, lag: float) -> str:

@@ -48,8 +48,8 @@ HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
 
 REST_LAG_DIVISORS, MAX_REST_SHARE = (8, 16, 32), 0.03
-"""Lags of the test for rest, as parts of the longest track, and the largest move at rest, over the fastest's."""
-MAX_NAMED, REST_WORDS = 10, "rest and are in no number"
+"""Parts of the longest track over which walkers at rest move least, and their displacement over the largest."""
+MAX_NAMED, REST_WORDS = 10, "rest and are left out of all numbers"
 """Largest number of walkers at rest that are named, and what is stated of them."""
 
 
@@ -468,16 +468,16 @@ def _describe_method(
     elif settings.headed:
         speed = "along the body's heading"
     else:
-        speed = "along the direction of motion, root mean square of what persists for the lag"
+        speed = "along the direction of motion, root mean square of the velocity that persists for the lag"
     if not in_pieces:
         method = f"speed {speed}; errors from {samples} independent samples of particles"
-        return f"{method}; of the mean speed, {comparison.limit}" if comparison else method
+        return f"{method}; mean speed: {comparison.limit}" if comparison else method
     pieces = f"{samples} pieces of " + ("equal times of free motion" if settings.walls else f"{length_s:.3g} s")
     if comparison is None:
-        return f"speed {speed}; errors from {pieces}, which do not tell how walkers differ"
+        return f"speed {speed}; errors from {pieces}, which do not show how walkers differ"
     walkers = comparison.walkers
     return (
         f"speed {speed}; errors of speeds and turning bias over {walkers} walkers, by Student's t "
         f"with {walkers - 1} degrees of freedom; of other numbers from {pieces}, or over walkers "
-        f"where they differ by more; of the mean speed, {comparison.limit}"
+        f"where they differ by more; mean speed: {comparison.limit}"
     )

@@ -273,7 +273,7 @@ def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict
 def _limiting_error(scatter: Quantity, noise: float) -> str:
     """Describe what limits the mean speed: `scatter` between walkers, or errors within tracks, mean square `noise`."""
     if scatter.value is None:
-        return "walkers are alike within the errors of their tracks, which limit: film for longer"
+        return "walkers do not differ by more than the errors of their tracks: film for longer to reduce these"
     if scatter.value**2 > noise:
-        return "differences between walkers limit: more walkers help, longer films do not"
-    return "errors within tracks limit, more than differences between walkers: film for longer"
+        return "differences between walkers set its error: more walkers help, longer films do not"
+    return "errors of tracks set its error, more than differences between walkers: film for longer"

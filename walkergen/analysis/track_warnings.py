@@ -33,9 +33,7 @@ def find_all(tracks: Tracks) -> list[str]:
 def describe_scale_error(share: float | None) -> str:
     """Describe the effect of the scale's relative error `share` (None: unknown). '' if it is 0, as in a simulation."""
     if share is None:
-        return (
-            "the scale's error is not known and in no number: give the scale with its error, as ‹mm_per_px=›0.05+-0.001"
-        )
+        return "the scale's error is unknown and not included: give it with the scale, as ‹mm_per_px=›0.05+-0.001"
     if not share:
         return ""
     return (

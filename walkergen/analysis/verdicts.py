@@ -213,7 +213,7 @@ def _unresolved_persistence(numbers: Numbers, settings: Settings, longest_s: flo
     lost, bounds = rate * longest_s > settings.decayed, numbers["persistence_rate"].interval()
     if lost and bounds is not None and bounds[0] > 0.0:
         return {}
-    reason = f"hardly a loss of direction within {longest_s:.3g} s: {settings.advice}"
+    reason = f"the direction hardly changes within {longest_s:.3g} s: {settings.advice}"
     if lost and settings.memory_open:
         reason = (
             f"{longest_s:.3g} s do not resolve how fast direction is lost, because rates of turning may "

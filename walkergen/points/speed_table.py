@@ -90,9 +90,8 @@ def needs_notes(walkers: Sequence[Member], scene: Scene) -> bool:
 
 
 WEIGHED_NOTE = (
-    "Weighed: whole walkers alone (grams) scale every mass alike, which changes the predicted "
-    "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it "
-    "more."
+    "Weighed: a mass of the whole walker (grams) scales all masses by one factor. The predicted speed then changes "
+    "only with the legs' frequency. A body or leg that is weighed separately (body_g, leg_g) changes it more."
 )
 
 
@@ -164,8 +163,8 @@ def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
         grams = [member.row.total_g for member in standing]
         notes.append(
             f"braced legs, {min(tilts):g} to {max(tilts):g} deg: {len(standing)} walkers of "
-            f"{min(grams):.3g} to {max(grams):.3g} g that stand, each at less than "
-            f"{prediction.STANDING_MM_S:g} mm/s with 0 inside its bounds"
+            f"{min(grams):.3g} to {max(grams):.3g} g stand still: each runs at less than "
+            f"{prediction.STANDING_MM_S:g} mm/s, and 0 lies within its bounds"
         )
     return [*notes, *((WEIGHED_NOTE,) if _has_weighings(walkers) else ())]
 

@@ -47,8 +47,8 @@ SPEED_ERROR_SHARE, SPEED_ERROR_FLOOR = 0.03, 0.01
 plate's peak speed. Measured were 2 % at a tilt of 10 deg, and at most 1.4 ± 0.8 mm/s."""
 
 TURNING_REASON = (
-    "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
-    "at one setting of 14 they differed by a factor of two"
+    "turning and spread: ± is the error of the runs alone. With a tenth of this step they were the same within "
+    "30 %, but differed by a factor of two in one of 14 settings"
 )
 COARSE_STEP_REASON = "not resolved by this step: ‹step=›{step_us:.2g} or less resolves it"
 

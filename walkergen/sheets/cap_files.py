@@ -105,7 +105,7 @@ def files(capped: Sequence[CappedWalker], printers: Sequence[Printer]) -> Iterat
 def advice(capped: Sequence[CappedWalker]) -> list[str]:
     """Return the lines that explain how caps are made and glued, and what they weigh."""
     first, last = capped[0].cap, capped[-1].cap
-    grams = [entry.grams for entry in capped]
+    grams = " to ".join(dict.fromkeys(f"{limit([entry.grams for entry in capped]):.4f}" for limit in (min, max)))
     how = {
         "engraved": "print them face up and ink their pockets black",
         "raised": f"print them face up, and change to black at {first.thickness:g} mm",
@@ -115,7 +115,7 @@ def advice(capped: Sequence[CappedWalker]) -> list[str]:
         f"Caps have markers {first.number} to {last.number} of {first.dictionary}, "
         f"{first.marker_mm:g} mm wide: {how}. Glue each flat on the middle of the walker that "
         "caps.csv names, with its notch to the front.",
-        f"A cap weighs {min(grams):.4f} to {max(grams):.4f} g. Predictions of a design with this "
+        f"A cap weighs {grams} g. Predictions of a design with this "
         "[cap] include it. Weigh walkers with their caps on.",
     ]
 

@@ -130,7 +130,7 @@ def test_summary_marks_numbers_that_the_step_does_not_resolve(run):
         assert any(f"({letter})" in rows[name] for letter in "abc"), name
     assert "not resolved by this step" in " ".join(run(*SHORT, "--step", "30").stdout.split())  # the speed's own
     # Shares by impulse come first: those by number are a property of the step.
-    assert told.index("by impulse") < told.index("by number")
+    assert told.index("impulse of type") < told.index("impacts of type")
 
 
 def test_bounds_of_the_speed_hold_runs_and_step(run):

@@ -160,7 +160,7 @@ def test_places_every_44_ms_give_the_numbers_of_dense_samples():
 def test_the_summary_names_the_contact_and_every_unknown_has_its_reason(run):
     text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").stdout.split())
     assert "contact tips of 5 um, restitution 0.8, friction 0.25" in text
-    for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edge"):
+    for words in ("along the heading", "turning scatter not resolved", "impulse of type I ", "edge"):
         assert words in text, words
     short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2", "--all").stdout.split())
     assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short

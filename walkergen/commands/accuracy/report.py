@@ -108,7 +108,7 @@ ANSWER_COLUMNS = (
     report.text_column("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
     Column("takes", lambda row: "-" if row.expected_s is None else formatting.format_duration(row.expected_s)),
-    report.text_column("known", "known"),
+    report.text_column("source", "known"),
     report.text_column("why", "why"),
 )
 

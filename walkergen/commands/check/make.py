@@ -72,7 +72,7 @@ def _report(rows: Sequence[Wall], layout: plates.Layout, orientations: Sequence[
                     report.text_column("wall", "wall"),
                     report.fixed_column("mm", "thickness_mm", 2),
                     report.fixed_column("lines", "lines", 2),
-                    report.Column("plastic, against the mesh", _format_plastic, right=True),
+                    report.Column("plastic vs. mesh", _format_plastic, right=True),
                 ),
             )
         ],

@@ -44,8 +44,8 @@ class ExportRequest(request.Request):
         Any,
         request.file_flag(
             "scenes",
-            f"Scene of mjcf: a template or a TOML file; {request.LANE_SCENE}, of a walker with a motor "
-            f"{request.TABLE_SCENE}.",
+            f"Scene of mjcf: a template or a TOML file. Default: {request.LANE_SCENE}, or {request.TABLE_SCENE} "
+            "with a motor.",
             optional=True,
         ),
     ] = None

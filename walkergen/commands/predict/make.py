@@ -79,7 +79,7 @@ def make_report(
     tables = speed_table.tables("prediction", design.name, walkers, with_notes)
     rows = list(tables[0])
     for row, member, walker_shares in zip(rows, walkers, shares, strict=False):
-        title = f"{member.name}: share of the variance behind the bounds"
+        title = f"{member.name}: shares of the variance of the speed"
         tables.append(speed_table.shares_table(f"shares of {member.name}", walker_shares, title))
         row["shares"] = list(tables[-1])
     return PredictReport(

@@ -45,7 +45,7 @@ def make_report(results: Sequence[Result], whole: bool, all: bool = False) -> Re
             "partial": not whole,
         },
         headline=_headline(results, len(failed)),
-        lines=[*_subject_lines(results), *_failure_lines(failed), *([] if all or failed else ["each case: ‹all›"])],
+        lines=[*_subject_lines(results), *_failure_lines(failed), *([] if all or failed else ["‹all› lists them"])],
     )
 
 

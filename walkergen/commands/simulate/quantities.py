@@ -22,8 +22,8 @@ MOTION_NAMES = (
 
 OBSERVABLE_UNITS = {
     observables.IMPACTS: ("impacts", "per_s", 1.0),
-    observables.BY_IMPULSE: ("by impulse", "percent", 100.0),
-    observables.BY_NUMBER: ("by number", "percent", 100.0),
+    observables.BY_IMPULSE: ("impulse of type", "percent", 100.0),
+    observables.BY_NUMBER: ("impacts of type", "percent", 100.0),
     observables.CONTACT: ("in contact", "percent", 100.0),
     observables.POWERS: ("power", "uW", 1e-3),
 }
@@ -61,7 +61,7 @@ def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
         known = number.value is not None or number.refused != last_reason
         is_mean_speed = in_lane and number.key == "lane_speed"
         if known and not is_mean_speed and number.refused not in (LANE_REASON, NO_SLOPE_REASON):
-            yield number
+            yield number._replace(refused=number.refused.replace("film for longer", "raise ‹seconds›"))
         last_reason = number.refused
     lags, values, errors = simulated.motion.exponent
     defined = np.flatnonzero(np.isfinite(values) & np.isfinite(errors))

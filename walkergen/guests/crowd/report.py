@@ -55,12 +55,12 @@ class Contacts(NamedTuple):
 CONTACT_COLUMNS = (
     report.text_column("run", "run"),
     report.number_column("touches", "touches"),
-    report.number_column("a walker and second", "touches_per_walker_s", 3),
-    report.number_column("give (µm)", "deepest_um", 2),
+    report.number_column("per walker and s", "touches_per_walker_s", 3),
+    report.number_column("deepest (µm)", "deepest_um", 2),
     report.number_column("lost to impact (nJ)", "lost_normal_nj", 3, wide=True),
     report.number_column("to friction (nJ)", "lost_friction_nj", 3, wide=True),
     report.number_column("energy error", "energy_error", 2),
-    report.number_column("off restitution", "contact_error", 2),
+    report.number_column("excess loss", "contact_error", 2),
     report.text_column("fallen", "fallen"),
 )
 

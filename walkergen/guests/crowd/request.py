@@ -24,9 +24,9 @@ class CrowdRequest(request.Request):
     """Simulate many walkers that meet in a dish: order, clusters and packing with errors.
 
     Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
-    number of threads. Every run begins at other places, and their scatter gives the errors. A card in place of a
-    design makes a crowd of thousands in a plane. With --card one walker is measured for such a crowd, from simulated
-    runs or from the tracks of a film.
+    number of threads. Every run starts from other positions, and the scatter of the runs gives the errors. A card
+    holds the measured properties of one walker. In place of a design it makes a crowd of thousands in a plane. Measure
+    a card with --card, from simulated runs or from the tracks of a film.
 
     Notes
     -----
@@ -58,8 +58,7 @@ class CrowdRequest(request.Request):
         Any,
         request.file_flag(
             "scenes",
-            f"Scene: a template or a TOML file. Default: {request.PLANE_SCENE}; for walkers with a motor "
-            f"{request.TABLE_SCENE}.",
+            f"Scene: a template or a TOML file. Default: {request.PLANE_SCENE}, or {request.TABLE_SCENE} with a motor.",
             optional=True,
         ),
     ] = None

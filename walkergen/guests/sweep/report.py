@@ -115,7 +115,7 @@ def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepR
     """Return the report with a line for the files that were written to a folder. `names`: their names."""
     facts = {**report.facts, "files": [str(folder / name) for name in names]}
     pictures = [f"picture: {folder / name}" for name in names if name.endswith(".png")]
-    lines = [*pictures, *report.lines, f"in {folder}: {', '.join(names)}"]
+    lines = [*pictures, *report.lines, f"written into {folder}: {', '.join(names)}"]
     return replace(report, facts=facts, lines=lines)
 
 

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 class SweepRequest(request.Request):
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
 
-    All combinations of the values are evaluated, the last key fastest. Each of them has every sample. Keys that begin
-    with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
+    All combinations of the values are evaluated, the last key fastest. With --sample, each of them is combined with
+    every sample. Keys that begin with scene.crowd. map crowds. Points that were evaluated before are not evaluated
+    again.
 
     Notes
     -----
@@ -59,7 +60,7 @@ class SweepRequest(request.Request):
         list[str] | None,
         request.Words,
         Flag(
-            "Numbers to keep: speed,spread,persistence,impacts,masses,printability. For crowds: "
+            "Numbers to keep: speed, spread, persistence, impacts, masses, printability. For crowds: "
             "polar_order,largest_cluster and other statistics.",
             "GROUPS",
             takes="str | Iterable[str] | None",
@@ -67,7 +68,9 @@ class SweepRequest(request.Request):
     ] = None
     printer: Annotated[Any, request.file_flag("printers", "Printer of --keep printability.", optional=True)] = None
     file: Annotated[
-        Path | None, request.File, Flag("Read all of this from a sweep.toml.", "FILE", takes="Name | None")
+        Path | None,
+        request.File,
+        Flag("Read keys, samples and settings from a sweep.toml.", "FILE", takes="Name | None"),
     ] = None
     wish: Annotated[
         float | None, Field(ge=-1e6, le=1e6), Flag("Desired speed: list the points nearest to it first.", "MM/S")

@@ -38,7 +38,7 @@ class CalibrateFields(request.Request):
     measured: Annotated[
         float | None,
         Field(ge=1e-9, le=1.0, description="rebound of a drop: square root of the height after over the height before"),
-        Flag("Rebound of a drop, root of height over height.", "NUMBER"),
+        Flag("Rebound of a drop: square root of the height after over the height before.", "NUMBER"),
     ] = None
     measured_sd: Annotated[float | None, Field(ge=1e-9, le=1.0), Flag("Standard error of --measured.", "NUMBER")] = None
     tries: Annotated[int, Field(ge=1, le=10_000), Flag("Number of drops in the measured mean.", "N")] = 1

@@ -54,8 +54,8 @@ class CalibrateRequest(CalibrateFields):
     harmonic, motion along the plate and noise, each with its error, and a scene.toml with these values. Three columns
     of a gyroscope also give the gradient of the amplitude over the plate, and its rocking.
 
-    `calibrate drop` simulates drops of the walker on a still plate. From the rebound in --measured, root of height
-    over height, it computes the restitution of the feet.
+    `calibrate drop` simulates drops of the walker on a still plate. It computes the restitution of the feet from the
+    rebound in --measured, the square root of the height after over the height before.
 
     Examples
     --------

@@ -66,7 +66,7 @@ def unlearnt_notes(rows: Sequence[Summary]) -> list[str]:
     names = [row.name for row in rows if row.narrowed > MAX_LEARNT_RATIO]
     if not names:
         return []
-    return [f"not constrained by these speeds: {_join_names(names)}, as uncertain as before"]
+    return [f"not constrained by these speeds: {_join_names(names)} are as uncertain as before"]
 
 
 def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:

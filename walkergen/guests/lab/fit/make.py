@@ -30,8 +30,8 @@ def fit(
         choices["mode"] = request.mode
     else:
         fitted = model_fit.fit(request, setup, held, progress, expect)
-        made = report.make_model_report(fitted, f"learnt with {assumptions}", path, folder)
-        word = "Learnt from"
+        made = report.make_model_report(fitted, f"fitted with {assumptions}", path, folder)
+        word = "Fitted to"
         choices |= {"model": request.model, "prior": request.prior or DEFAULT_PRIOR}
     comment = f"{word} {path.name}: {assumptions}"
     return write_report(made, setup, choices, request.pictures, comment, all_keys=True)

@@ -102,7 +102,7 @@ def make_model_report(fitted: ModelFit, caption: str, path: Path, folder: Path) 
     bounds = [(by_setting[key].speed_mm_s, by_setting[key].low_95, by_setting[key].high_95) for key in settings]
     tables = [
         Table("fit", fitted.rows, ("parameter", *fitted.rows[0]._fields[1:]), columns, "Parameters"),
-        report.table_from_rows("bands", fitted.bands, BAND_COLUMNS, "Speeds of one more print"),
+        report.table_from_rows("bands", fitted.bands, BAND_COLUMNS, "Predicted speeds of another print"),
         _speed_table(fitted.seen, bounds, (*SPEED_COLUMNS, "low_95", "high_95")),
         Table("posterior", posterior.draws[kept].tolist(), [row.name for row in fitted.rows]),
     ]
@@ -116,7 +116,7 @@ def make_model_report(fitted: ModelFit, caption: str, path: Path, folder: Path) 
         "independent_draws": posterior.independent,
     }
     sampled = (
-        f"chi² {posterior.chi2:.3g} for {len(fitted.seen.speed)} speeds at best; "
+        f"smallest chi² {posterior.chi2:.3g} for {len(fitted.seen.speed)} speeds; "
         f"{posterior.steps} draws are worth {posterior.independent:.0f} independent ones"
     )
 
@@ -136,10 +136,8 @@ def _describe_agreement(fitted: ModelFit) -> str:
         for row in fitted.rows
     }
     contact = [values[name] for name in ("restitution", "friction") if name in values] or list(values.values())[:1]
-    measured = [row.name.replace("_", " ") for row in fitted.rows if row.measured]
-    agrees = (
-        f", in agreement with the measured {', '.join(measured)}" if measured else "; nothing is stated as measured"
-    )
+    measured = [row.name for row in fitted.rows if row.measured]
+    agrees = f", consistent with the measured {', '.join(measured)}" if measured else "; nothing is stated as measured"
     return f"{' and '.join(contact)} from {len(fitted.seen.speed)} speeds{agrees}"
 
 
@@ -211,7 +209,7 @@ def format_correlations(fit: ContactFit) -> Iterator[str]:
 BAND_COLUMNS = (
     Column("tilt", lambda band: f"{band.tilt_deg:g}"),
     Column("plate, mm/s", lambda band: f"{band.plate_speed_mm_s:.1f}"),
-    Column("one more print, mm/s", lambda band: f"{band.speed_mm_s:.1f}"),
+    Column("another print, mm/s", lambda band: f"{band.speed_mm_s:.1f}"),
     Column("68 %", lambda band: f"{band.low_68:.1f} to {band.high_68:.1f}"),
     Column("95 %", lambda band: f"{band.low_95:.1f} to {band.high_95:.1f}"),
     Column("", lambda band: "measured" if band.measured else "predicted"),

@@ -16,7 +16,7 @@ class FitRequest(FitFields):
     design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, and its standard error is that of its
     film. Instead of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for
     the one in a column particle. By default the fit gives the contact that predictions use, in seconds. With the model
-    space it fits emulators of simulations, with bounds for one more print at every tilt. With the model theory it fits
+    space it fits emulators of simulations, with bounds for another print at every tilt. With the model theory it fits
     the paper's eq. 15 by least squares. The results are written to scene.toml and design.toml, for `walkergen family`.
 
     Notes

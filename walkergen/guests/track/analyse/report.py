@@ -80,7 +80,7 @@ def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None 
     hidden = len(motion.walkers) - MAX_WALKERS
     counted = [f"and {hidden} more walkers in walkers.csv"] if hidden > 0 else []
     headless = sum(number.refused == NO_HEADINGS_REASON for number in motion.estimates.values())
-    counted += [f"{NO_HEADINGS_REASON}, which {headless} more numbers need"] if headless else []
+    counted += [f"{NO_HEADINGS_REASON}: {headless} more numbers need them"] if headless else []
     draw = partial(_draw_figure, tracks=tracks, motion=motion, title=title)
     return AnalysisReport(
         name="analysis",

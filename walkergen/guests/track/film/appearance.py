@@ -121,7 +121,7 @@ def learn_appearance(
         what = "light or dark" if dark is None else "dark" if dark else "light"
         raise InputError(
             f"no walker found: nothing {what} differs from the ground by {look.threshold:.3g} of "
-            f"255 steps and is {MIN_WIDTH_PX:g} pixels wide (widest: {look.width:.3g}). Try "
+            f"255 grey levels and is {MIN_WIDTH_PX:g} pixels wide (widest: {look.width:.3g}). Try "
             "‹threshold›, ‹walkers› or ‹region›"
         )
     local = estimate_ground(picture, look.dark, min(WINDOW_WIDTHS * (width or look.width), widest))

@@ -68,9 +68,9 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
         error = f" ± {formatting.format_number(100.0 * scale_se / scale, 2)} %"
     yield (
         f"Walkers {'darker' if look.dark else 'lighter'} than the ground by more than "
-        f"{formatting.format_number(look.threshold)} of 255 steps, {linked.length:.1f} pixels long and "
+        f"{formatting.format_number(look.threshold)} of 255 grey levels, {linked.length:.1f} pixels long and "
         f"{look.width:.0f} wide, "
-        f"area {linked.area:.0f}; {formatting.format_number(scale, 4)} mm a pixel{error}; "
+        f"area {linked.area:.0f}; {formatting.format_number(scale, 4)} mm per pixel{error}; "
         f"{tracked.clock.in_words}."
     )
     if math.isnan(found.shake.rms):
@@ -115,7 +115,7 @@ def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quan
 
     if look.blur:
         yield (
-            f"low contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
+            f"low contrast: walkers differ from the ground by {look.contrast:.3g} of 255 grey levels, "
             f"{look.contrast / look.noise:.2g} times the noise of a pixel. Use more light"
         )
     if shake.rms > MAX_SHAKE_PX:

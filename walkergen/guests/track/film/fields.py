@@ -65,7 +65,7 @@ class TrackFields(request.Request):
     walkers: Annotated[
         Literal["dark", "light"] | None, Flag("Walkers are dark or light; by default the wider objects.", "SIDE")
     ] = None
-    threshold: Annotated[float | None, Flag("Contrast of a walker with the ground, of 255 steps.", "STEPS")] = None
+    threshold: Annotated[float | None, Flag("Contrast of a walker with the ground, of 255 levels.", "LEVELS")] = None
     width: Annotated[float | None, Flag("Width of a walker, its shorter side, pixels.", "PX")] = None
     heading: Annotated[
         Literal["motion", "mark"],

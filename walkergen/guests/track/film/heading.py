@@ -62,7 +62,7 @@ def find_headings(walker: Track, by: By) -> Headings:
     if not headed:
         why = f"it ran less than {MIN_RUN_LENGTHS:g} of its length" if by == "motion" else "marks disagree"
         return _no_heading(walker, f"{why}, so that front and back are alike")
-    front = "the mark" if by == "mark" else "the way it runs"
+    front = "the mark" if by == "mark" else "the direction of running"
     return Headings(unwrap(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
 
 

@@ -66,11 +66,11 @@ WALKER_COLUMNS = (
     report.number_column("walker", "particle"),
     Column("frames", lambda row: f"{row.first}..{row.last}", right=True),
     Column("lost", lambda row: str(row.lost), right=True),
-    report.number_column("net way (mm)", "net_mm", 3),
+    report.number_column("displacement (mm)", "net_mm", 3),
     report.number_column("path (mm)", "path_mm", 3),
     report.number_column("turned (deg)", "turned_deg", 3),
     report.number_column("size (px)", "size_px", 3, wide=True),
-    report.text_column("heading by", "heading_by"),
+    report.text_column("heading from", "heading_by"),
 )
 
 
