@@ -17,25 +17,25 @@ SLACK = 200
 """Number of lines that a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5720,
+    "walkergen/analysis": 5730,
     "walkergen/api": 310,
     "walkergen/app": 2670,
     "walkergen/cli": 880,
     "walkergen/commands": 8380,
-    "walkergen/core": 17930,
+    "walkergen/core": 18030,
     "walkergen/files": 1540,
-    "walkergen/guests/crowd": 7300,
+    "walkergen/guests/crowd": 7320,
     "walkergen/guests/lab": 5000,
     "walkergen/guests/movie": 1510,
-    "walkergen/guests/sweep": 2290,
+    "walkergen/guests/sweep": 2320,
     "walkergen/guests/track": 3640,
-    "walkergen/points": 3390,
+    "walkergen/points": 3440,
     "walkergen/readers": 6250,
-    "walkergen/sheets": 540,
+    "walkergen/sheets": 560,
     "benchmarks": 2760,
     "docs": 690,
     "evidence": 8000,
-    "tests": 40470,
+    "tests": 41170,
 }
 
 
