@@ -234,9 +234,9 @@ def describe_allowed_values(key: str) -> str:
     from walkergen.core.walker.design import Design
 
     section = section_of(key)
-    model: type[config.Section] = {"design": Design, "scene": Scene, "printer": Printer}[section]
+    models: dict[str, type[config.Section]] = {"design": Design, "scene": Scene, "printer": Printer}
     path = tuple(key.removeprefix(f"{section}.").split("."))
-    return config.describe_allowed_values(path, model) if key else ""
+    return config.describe_allowed_values(path, models[section]) if key else ""
 
 
 def section_of(key: str) -> str:

@@ -197,7 +197,8 @@ def _format_error(request: type[Request], error: Any) -> str:
         allowed = config.describe_allowed_values((name,), request)  # type: ignore[arg-type]  # only its fields are read
         allowed = allowed or inputs.describe_allowed_values(field_flag(request, name).sets)
         rules = VALUE_RULES | config.TYPE_RULES
-        rule = (rules.get(kind) if kind == "missing" else allowed or rules.get(kind) or error["msg"]).replace("'", "")
+        found = rules.get(kind) if kind == "missing" else allowed or rules.get(kind)
+        rule = str(found or error["msg"]).replace("'", "")
     shown = safe_text.shorten_line(repr(value) if isinstance(value, str) else str(value))[:60]
     return f"‹{name}=›{shown}: {rule}"
 

@@ -69,7 +69,8 @@ class Part(NamedTuple):
         low, high = self.mesh.vertices.min(axis=0), self.mesh.vertices.max(axis=0)
         half = 0.5 * ARROW_SHARE * self.way * (high[0] - low[0])
         middle = np.array([0.5 * (low[0] + high[0]), low[1], high[2] + ARROW_GAP_MM])
-        return middle + np.array([[-half, 0.0, 0.0], [half, 0.0, 0.0]])
+        ends: Array = middle + np.array([[-half, 0.0, 0.0], [half, 0.0, 0.0]])
+        return ends
 
     @property
     def label(self) -> str:

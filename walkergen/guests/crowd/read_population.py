@@ -17,9 +17,10 @@ from walkergen.request import PAPER_WALKER, PLANE_SCENE, choose_scene
 
 def read_population(request: CrowdRequest) -> Population:
     """Read the files that a request names, and return its population. Raises InputError."""
-    counts = list(request.count.values()) if isinstance(request.count, dict) else None
+    by_name = request.count if isinstance(request.count, dict) else {}
+    counts = list(by_name.values()) or None
     if counts is not None and request.design is not None:
-        shown = ",".join(f"{name}:{count}" for name, count in request.count.items())
+        shown = ",".join(f"{name}:{count}" for name, count in by_name.items())
         raise InputError(f"‹count=›{shown[:60]}: already names the designs. Leave ‹design› out.", "count")
     total = sum(counts) if counts else request.count
     given = request.inputs({} if total is None else {"scene.crowd.count": ("count", total)})
