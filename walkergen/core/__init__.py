@@ -11,7 +11,7 @@ from typing import Any
 
 
 def _read_table() -> dict[str, str]:
-    """Return the module that defines each published name, as `__init__.pyi` lists them."""
+    """Return the name of the module that defines each published name, as listed in `__init__.pyi`."""
     stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     imports = (statement for statement in stub.body if isinstance(statement, ast.ImportFrom))
     return {name.name: str(line.module) for line in imports for name in line.names}

@@ -116,7 +116,7 @@ class Drive(Section):
 
     @model_validator(mode="after")
     def _check_keys(self) -> "Drive":
-        """Raise ValueError for a key of the other kind of drive, and for numbers that do not fit together."""
+        """Return the drive. Raises ValueError for keys of the other kind of drive, and for numbers that disagree."""
         others = MOTOR_KEYS if self.kind == "plate" else PLATE_KEYS
         for key in others:
             value = getattr(self, key)
@@ -253,8 +253,8 @@ class Drive(Section):
     def drop_contradicted_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
         """Return `data` without keys of this drive that contradict `keys`, the values that a user has just set.
 
-        `data` has the values of all keys, the new ones included. Setting one of a plate's
-        four numbers keeps the frequency. Setting the frequency keeps the peak acceleration, or a motor's moment.
+        `data` has the values of all keys, the new ones included. Setting one of a plate's four numbers keeps the
+        frequency. Setting the frequency keeps the peak acceleration, or a motor's moment.
         """
         if data.get("kind", "plate") == "motor":
             return self._drop_plate_keys(data, keys)

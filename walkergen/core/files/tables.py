@@ -16,7 +16,7 @@ def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
     """Return the text of a CSV file, a header and lines of cells: every digit of a number, an empty cell for None.
 
     Text that a spreadsheet would run gets an apostrophe before it. `unquote_formula` removes it. Options
-    marked as ‹option› become the arguments of Python functions.
+    marked as ‹option› are written as arguments of Python functions.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

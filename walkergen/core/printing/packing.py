@@ -221,7 +221,7 @@ def _free_bed(printer: Printer) -> tuple[float, float]:
 
 
 def _bed_micrometres(printer: Printer) -> tuple[int, int]:
-    """Return width and depth of the free bed, um, plus a gap: each cell has one, which the last in a row need not."""
+    """Return width and depth of the free bed, um, larger by a gap, since each cell of `_cell_size` ends with one."""
     width, depth = (math.floor(round(1e3 * length, 6)) for length in _free_bed(printer))
     gap = _round_up_micrometres(spacing(printer))
     return width + gap, depth + gap

@@ -115,7 +115,7 @@ class Design(WalkerSpec):
 
     @property
     def tilt_deg(self) -> float:
-        """Tilt that identifies a member of a family, deg: the family tilt, or the first leg's tilt if no leg has it."""
+        """Tilt that identifies a member of a family, deg: the family tilt, or the first leg's if all have their own."""
         return resolve.member_tilt_deg(self)
 
     @property
@@ -278,7 +278,7 @@ class Design(WalkerSpec):
         return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.has_family_tilt else {}
 
     def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
-        """Return the variants of a family, ordered by kind, then by tilt. The default is the [family] table.
+        """Return a variant of the design for each kind and tilt of legs in a family, by default of the table [family].
 
         Parameters
         ----------
@@ -290,7 +290,7 @@ class Design(WalkerSpec):
         Returns
         -------
         list of Design
-            A design for each kind and tilt.
+            Designs, ordered by kind, then by tilt.
 
         Raises
         ------

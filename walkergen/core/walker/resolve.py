@@ -304,7 +304,7 @@ def _height_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Return a message if all feet are at one position along the run, otherwise an empty list."""
+    """Return a message if all feet are within a leg's thickness along the run, otherwise an empty list."""
     positions = [limb.along for limb in limbs]
     if max(positions) - min(positions) > max(limb.thickness for limb in limbs):
         return []

@@ -413,7 +413,7 @@ def has_window(limb: Limb) -> bool:
 
 
 def _body_profile(design: Design) -> Polygon:
-    """Return the side view of the body with its notches, counter-clockwise, shape (n, 2), mm."""
+    """Return the side view of the body with its notches, or of its box, counter-clockwise, shape (n, 2), mm."""
     if design.body.profile_mm is not None:
         side = design.shape.side
         assert side is not None

@@ -264,7 +264,7 @@ class WalkerSpec(Section):
 
     @property
     def tilt_from_keys_deg(self) -> float:
-        """Tilt of the walker according to its keys, deg: the family tilt, or the first leg's tilt if no leg has it.
+        """Tilt of the walker according to its keys, deg: the family tilt, or the first leg's if all have their own.
 
         A mirrored first leg has minus its `tilt_deg`. The keys of a finished walker do not define its tilt.
         """

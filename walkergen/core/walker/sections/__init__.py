@@ -59,7 +59,7 @@ def window_width(limb: Limb) -> float:
 
 
 def leg_clearance(limbs: Sequence[Limb]) -> float:
-    """Return the smallest gap along the run, mm, between legs or braces that do not lie side by side, or infinity."""
+    """Return the smallest gap along the run, mm, between legs or braces that overlap across it; infinity if none do."""
     gaps = [math.inf]
     for first, second in itertools.combinations(limbs, 2):
         back, front = sorted((first, second), key=lambda limb: limb.along)
