@@ -45,7 +45,7 @@ class Picture(NamedTuple):
 
 
 class Kind(Protocol):
-    """Module of a kind."""
+    """Interface of the module of a kind of points."""
 
     GROUPS: tuple[str, ...]
     """Groups of numbers that a point can have."""

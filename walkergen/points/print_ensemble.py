@@ -75,7 +75,7 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Pri
 
 
 class PrintRuns(NamedTuple):
-    """Draws of uncertain prints whose runs ended well."""
+    """Random prints whose runs ended well: their uncertain inputs and their speeds."""
 
     inputs: tuple[Input, ...]
     values: Array

@@ -82,7 +82,7 @@ def compile_kernels(plan: Plan) -> float:
     """Compile, or load from the disk cache, the kernels that the plan needs. Return the time that this took, s."""
     started = time.perf_counter()
     plan, state = drop_for_run(plan, 0)  # kernels are compiled for the array types of drawn noise and bumps
-    plan.advance(state, 1e-9, record.new_tally())
+    plan.advance(state, 1e-9, record.new_tally())  # any time compiles them
     plan.energy(state)
     return time.perf_counter() - started
 

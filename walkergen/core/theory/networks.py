@@ -46,7 +46,7 @@ BLOCK_SIZE = 96
 
 
 class Speeds(NamedTuple):
-    """Speeds in space over the plate's peak speed, on the networks' own scale; arrays of shape (n,).
+    """Speeds of n walkers over the plate's peak speed, on the networks' scale (asinh); arrays of shape (n,).
 
     They are normally distributed after asinh, so that errors are added there, before the conversion to mm/s.
     """

@@ -117,7 +117,7 @@ def _motor_inputs(drive: Drive) -> tuple[Input, ...]:
 
 
 class Drawn(NamedTuple):
-    """Drawn values of uncertain inputs, by their names."""
+    """Random draws of uncertain inputs, by the names of the inputs."""
 
     columns: Mapping[str, Array]
     """Values of each input, shape (number,)."""

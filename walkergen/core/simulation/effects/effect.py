@@ -25,7 +25,7 @@ class Case(NamedTuple):
 
 
 class Effect(NamedTuple):
-    """Effect with its size in a scene and what its rule decides."""
+    """Effect on a walker in a scene: whether it is simulated, and the number that decides."""
 
     name: str
     on: bool
@@ -40,7 +40,7 @@ class Effect(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """How to decide on an effect, and its keys in a scene."""
+    """Function that decides whether an effect is simulated, and the effect's keys in a scene."""
 
     decide: Callable[[Case], Effect]
     """Function that decides on the effect. Raises InputError where the scene contradicts itself or the design."""

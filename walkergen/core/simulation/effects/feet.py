@@ -35,7 +35,7 @@ LANDING_SPEED_RATIO = 2.0
 
 
 class Foot(NamedTuple):
-    """Elastic contact of a corner."""
+    """Elastic contact of one corner of a foot."""
 
     spring: float
     """Axial stiffness of the leg behind it, g/s^2."""

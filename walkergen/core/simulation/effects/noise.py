@@ -32,7 +32,7 @@ MIN_LINES = 32
 
 
 class Noise(NamedTuple):
-    """A drawn noise."""
+    """Random motion of the plate in one run, sampled at regular times."""
 
     heights: npt.NDArray[np.float64]
     """Heights at regular times, shape (n,), mm."""

@@ -20,7 +20,7 @@ FOOT_KEYS = ("contact.restitution", "contact.friction")
 
 
 class Resolved(NamedTuple):
-    """Effects that will be simulated."""
+    """Effects on a walker in a scene, simulated or not, with their parameters."""
 
     effects: tuple[Effect, ...]
     acting: Acting

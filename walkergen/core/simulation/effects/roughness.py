@@ -25,7 +25,7 @@ MAX_RMS_SLOPE = 0.2
 
 
 class Roughness(NamedTuple):
-    """A drawn surface."""
+    """Random bumps of the plate in one run."""
 
     waves: npt.NDArray[np.float64]
     """A wave a row, shape (WAVE_COUNT, 4): wave vector (1/mm, x and z), amplitude (mm), phase."""

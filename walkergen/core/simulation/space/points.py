@@ -90,7 +90,7 @@ def _order_from_back(points: Array) -> Any:
 
 
 def body_hull(design: Design, mass: MassProperties, centre: Array) -> Array:
-    """Return points of the body's hull, (n, 3), mm, from the walker's centre of mass. `centre`: it from the body's."""
+    """Return points of the body's hull, (n, 3), mm, from the walker's centre of mass, at `centre` from the body's."""
     corners = _box_corners(design) if design.body.plain else _hull_points(design.body.cache_key).copy()
     corners[:, :2] = to_centre_frame(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)

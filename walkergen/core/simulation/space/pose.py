@@ -81,7 +81,7 @@ def rotation_coefficients(square):
 
 @lean
 def turn(state, x, y, z):
-    """Turn the body in `state`, in place, by the rotation vector (x, y, z) in body axes, rad."""
+    """Turn the body's quaternion in `state`, in place, by the rotation vector (x, y, z) in body axes, rad."""
     square = 0.25 * (x * x + y * y + z * z)
     s, c = rotation_coefficients(square)
     c, x, y, z = 1.0 - c * square, 0.5 * s * x, 0.5 * s * y, 0.5 * s * z

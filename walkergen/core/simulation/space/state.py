@@ -112,7 +112,7 @@ class Walker(NamedTuple):
 
 
 class Options(NamedTuple):
-    """Lengths of the steps."""
+    """Length of a time step, and number of steps in a frozen frame."""
 
     step: float
     """Longest step while a foot may touch, s."""
@@ -174,7 +174,7 @@ NEAR_DTYPE = np.dtype(
 
 
 class Work(NamedTuple):
-    """Work space of a run: pose, and what holds for a frozen frame of m contacts near a surface."""
+    """Memory of a run: the pose, and matrices for a frozen frame with m contacts near a surface."""
 
     R: Array
     """Body axes -> world, shape (3, 3)."""
