@@ -112,6 +112,7 @@ def test_a_walker_at_rest_is_named_and_counts_in_no_mean(tmp_path):
     assert speed_holds(report)
     assert any("1 of 4 walkers rest and are left out of all numbers: 2" in note for note in report.notes)
     assert report.facts["speed_walkers"] == "3 of 4 walkers"
+    assert str(report.speed).endswith("; 3 of 4 walkers")
     assert "(3 of 4 walkers)" in report.markdown()
     (cell,) = [row[-1] for row in report.tables[0].rows if row[0] == "speed_mm_s"]
     assert cell == "3 of 4 walkers"
@@ -123,6 +124,7 @@ def test_a_mean_over_fewer_walkers_has_their_number_beside_it(tmp_path):
     rows[90:, 1] = np.nan
     report = measure(tmp_path, rows)
     assert report.facts["speed_walkers"] == "2 of 3 walkers"
+    assert str(report.speed).endswith("; 2 of 3 walkers")
     assert "(2 of 3 walkers)" in report.markdown()
     rows[90:, 2] = np.nan
     assert "speed_walkers" not in measure(tmp_path, rows).facts  # without headings it is that of all steps

@@ -76,8 +76,15 @@ class Quantity(NamedTuple):
     """Largest error (95 %) that more values do not reduce, as of a time step; infinite if unknown."""
     ends: "tuple[float, float, float, float] | None" = None
     """Lower bounds of 95 and 68 %, then upper bounds of 68 and 95 %, if they come from draws and not from the error."""
+    sample: str = ""
+    """Part of the data that it describes, as "1 of 3 walkers"; "" for all data."""
 
     def __str__(self) -> str:
+        text = self._format_number()
+        return f"{text}; {self.sample}" if self.sample and self.value is not None else text
+
+    def _format_number(self) -> str:
+        """Format value, error and bounds; without a value, the reason."""
         unit = f" {UNIT_SYMBOLS.get(self.unit, self.unit)}".rstrip()
         if self.value is None:
             return self.refused or "none"

@@ -39,7 +39,8 @@ class AnalysisReport(Report):
     @property
     def estimates(self) -> dict[str, Quantity]:
         """Estimates by name: value, standard error, and the reason where both are None."""
-        return self.motion.estimates
+        counted = self.motion.counted
+        return {name: number._replace(sample=counted.get(name, "")) for name, number in self.motion.estimates.items()}
 
     @property
     def speed(self) -> Quantity:
