@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import PAPER_CONTACT, Scene
 from walkergen.core.theory.uncertain_inputs import Input
@@ -266,3 +267,24 @@ def test_another_plate_speed_keeps_the_frequency_and_the_ground_has_no_end(groun
     assert scene.arena.length_mm is None
     own = emulated_speeds._short_scene(there, setting()._replace(plate_speed=there.scene.drive.peak_speed))
     assert own.drive == there.scene.drive
+
+
+@pytest.mark.parametrize(("speeds", "name"), [((50.0, 51.0, 400.0), "400"), ((-300.0, 50.0, 51.0), "-300")])
+def test_a_speed_out_of_reach_is_named_before_sampling(speeds, name):
+    """Sampling gave up after 24 rounds before, without a word on the row."""
+
+    def known(x):
+        return 50.0 + 10.0 * (x[:, 0] - x[:, 0].mean()), np.full(len(x), 1.0), np.full(len(x), 2.0)
+
+    seen = [Observed(np.array([speed]), np.array([1.0]), f"{tilt} deg") for tilt, speed in enumerate(speeds)]
+    tilt = speeds.index(float(name))
+    with pytest.raises(InputError, match=rf"outlier: the row of {tilt} deg and {name} mm/s lies \d+ standard"):
+        importance_sampling.sample(THREE, seen, [known] * 3, 1, silent)
+
+
+def test_a_speed_that_contradicts_the_others_is_named_where_sampling_fails():
+    """Rows of 0, 0 and 9 deviations from the best draw of the others; alike contradictions name none."""
+    seen = [Observed(np.array([50.0, 51.0]), np.ones(2), "5 deg"), Observed(np.array([80.0]), np.ones(1), "10 deg")]
+    with pytest.raises(InputError, match="the row of 10 deg and 80 mm/s lies 9 standard deviations from what"):
+        importance_sampling._check_contradiction(np.array([[0.0, 0.1, 9.0], [5.0, 5.0, 1.0]]), seen)
+    importance_sampling._check_contradiction(np.array([[0.5, 0.1, 2.0], [5.0, 5.0, 1.0]]), seen)

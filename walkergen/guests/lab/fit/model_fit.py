@@ -183,7 +183,8 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
     settings = [Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)]
     rows = [np.ravel(indices) == index for index in range(len(different))]
     se = np.full(len(seen.speed), measured.MIN_VALUE_MM_S) if seen.se is None else seen.se
-    return settings, [Observed(seen.speed[row], se[row]) for row in rows]
+    words = [f"{tilt:g} deg" for tilt, _ in different]
+    return settings, [Observed(seen.speed[row], se[row], name) for row, name in zip(rows, words, strict=True)]
 
 
 def _predicted_settings(

@@ -33,6 +33,8 @@ class Observed(NamedTuple):
     """Speeds, mm/s, shape (n,)."""
     se: Array
     """Standard errors, mm/s, shape (n,)."""
+    name: str = ""
+    """Setting in words, such as "10 deg"."""
 
 
 class Posterior(NamedTuple):
@@ -67,6 +69,18 @@ def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[S
         squares += chi2
         total -= 0.5 * (chi2 + np.sum(np.log(variance), axis=1) + np.log1p(precision * sd**2))
     return total, squares
+
+
+def row_deviations(x: Array, observed: Sequence[Observed], responses: Sequence[SpeedModel]) -> Array:
+    """Return how many standard deviations each measured speed lies from the model, shape (k, speeds), for rows of `x`.
+
+    `observed`, `responses`: measured speeds and speed model of each setting.
+    """
+    columns = []
+    for seen, response in zip(observed, responses, strict=True):
+        mean, sd, scatter = (values[:, None] for values in response(x))
+        columns.append(np.abs(seen.speed - mean) / np.sqrt(seen.se**2 + scatter**2 + sd**2))
+    return np.concatenate(columns, axis=1)
 
 
 def speed_draws(x: Array, response: SpeedModel, rng: np.random.Generator) -> Array:
