@@ -38,6 +38,8 @@ class Part(NamedTuple):
     """Number of its only copy; None if copies are alike, and numbered from 1."""
     supports: bool = False
     """Whether it prints with supports from the bed."""
+    run_direction: int | None = None
+    """1 for a walker that runs to the right as it lies, -1 to the left, 0 for neither; None for a part without legs."""
 
     @classmethod
     def from_mesh(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":

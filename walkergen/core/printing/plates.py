@@ -81,7 +81,9 @@ def layout_without_plates(
     supported = [supports.is_needed(design, mesh) for design, mesh in zip(members, meshes, strict=True)]
     rows = zip(members, names.part_names(members), meshes, copies, supported, strict=True)
     parts = [
-        packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)._replace(supports=is_on)
+        packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)._replace(
+            supports=is_on, run_direction=design.run_direction
+        )
         for design, name, mesh, count, is_on in rows
     ]
     return Layout(supports.add_brim(printer, meshes, supported), members, built, meshes, parts, [], [], supported)

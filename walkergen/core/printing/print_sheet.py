@@ -238,12 +238,9 @@ def _contents_table(batch: Batch) -> str:
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
         # Copies with serial numbers are parts of their own, under one name
-        counts = Counter(
-            (batch.parts[placement.part].name, batch.members[placement.part].run_direction)
-            for placement in plate.placements
-        )
-        for (name, direction), copies in counts.items():
-            way = RUN_DIRECTIONS[direction]
+        placed = [batch.parts[placement.part] for placement in plate.placements]
+        for (name, direction), copies in Counter((part.name, part.run_direction) for part in placed).items():
+            way = "" if direction is None else RUN_DIRECTIONS[direction]
             rows.append((f"`{batch.stem}_{number}{packing.plate_suffix()}`", f"`{name}`", str(copies), way))
     return markdown_table(("file", "part", "copies", "legs lean for a run"), rows)
 

@@ -50,7 +50,7 @@ class Layout(NamedTuple):
 
 def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Layout:
     """Return pieces arranged on at most `max_plates` plates, with the checks' findings. Raises PlateError."""
-    parts = [Part.from_mesh(piece.name, piece.mesh, 1) for piece in pieces]
+    parts = [Part.from_mesh(piece.name, piece.mesh, 1)._replace(supports=piece.has_supports) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
     findings = [
         *checks.check_printer(printer),
