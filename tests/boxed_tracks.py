@@ -24,6 +24,7 @@ class Boxed(NamedTuple):
     noise: float = 0.1  # of a place, each axis
     heading_noise: float = 0.05  # rad
     lost: float = 0.05  # share of the frames without it
+    turn: float = 0.0  # mean rate of turning, rad/s
 
 
 def films(seed, count, seconds, boxed=Boxed(), headed=False):  # noqa: B008
@@ -36,7 +37,7 @@ def films(seed, count, seconds, boxed=Boxed(), headed=False):  # noqa: B008
         for _ in range(SUBSTEPS):
             place = place + boxed.speed * h * np.stack([np.cos(heading), np.sin(heading)], axis=1)
             heading = _reflect_headings(place, heading, boxed, TURNED * h)
-            heading = heading + np.sqrt(2.0 * h / boxed.persistence) * rng.normal(size=count)
+            heading = heading + boxed.turn * h + np.sqrt(2.0 * h / boxed.persistence) * rng.normal(size=count)
             place = np.clip(place, 0.0, boxed.box)
     rows[..., :2] += boxed.noise * rng.normal(size=rows[..., :2].shape)
     rows[..., 2] += boxed.heading_noise * rng.normal(size=rows.shape[:2])

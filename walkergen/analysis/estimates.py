@@ -91,7 +91,6 @@ ACROSS_NAMES = ("orthogonal_mean", "orthogonal_sd")
 ALONG_NAMES = ("parallel_mean", "parallel_sd")
 TURNING_NAMES = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
 
-
 LANE_REASON = "along a lane, where direction does not turn"
 HEADINGS_KNOWN_REASON = "headings are known: see body_speed"
 NO_HEADINGS_REASON = "no headings in the file (theta, theta_deg)"

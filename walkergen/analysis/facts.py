@@ -93,8 +93,7 @@ def from_motion(motion: Motion) -> dict[str, Any]:
 
 def _estimate_facts(name: str, estimate: Quantity) -> dict[str, float | None]:
     """Return an estimate's value, error and 95 % bounds under keys with its name and unit."""
-    low, high = interval_bounds(estimate)
-    bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
+    bounds = {f"{name}_low_95_{UNITS[name]}": estimate.low_95, f"{name}_high_95_{UNITS[name]}": estimate.high_95}
     return {f"{name}_{UNITS[name]}": estimate.value, f"{name}_se_{UNITS[name]}": estimate.se} | bounds
 
 
@@ -147,8 +146,3 @@ def scale_errors(motion: Motion) -> Array:
     """Return the part of the errors of the mean squared displacement due to the film's scale, mm^2; NaN if unknown."""
     share = math.nan if motion.scale_se is None else motion.scale_se
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
-
-
-def interval_bounds(estimate: Quantity) -> tuple[float | None, float | None]:
-    """Return the lower and upper bound of 95 %; None for both if unknown."""
-    return estimate.interval(0.95) or (None, None)

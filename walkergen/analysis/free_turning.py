@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import lag_sums, moments
+from walkergen.analysis import interval_laws, lag_sums, moments
 from walkergen.analysis.estimates import MIN_SAMPLES, Settings, quantity, refusal
 from walkergen.analysis.tracks import Track
-from walkergen.core.numerics import Mask
+from walkergen.core.numerics import Array, Mask
+from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.numerics.quantity import Quantity
 
 MIN_LAG_RATIO, LAG_COUNT, WINDOW_COUNT = 3, 24, 5
@@ -33,30 +34,39 @@ class _Pairs(NamedTuple):
     first: int
     """First lag, samples."""
     lag: int
-    all_pairs: int
-    independent: float
-    """Number of independent ones."""
-    lost_first: float
-    """Loss of direction at the first lag, as an exponent."""
-    lost: float
+    sums: Array
+    """Sums of each walker that has pairs, shape (walkers, 4): products of directions at the first lag and at `lag`,
+    about its own mean turning, the number of pairs, and their correlations."""
+
+    @property
+    def lost(self) -> Array:
+        """Loss of direction at the first lag and at `lag`, as exponents."""
+        return np.asarray(-np.log(self.sums[:, :2].sum(axis=0) / self.sums[:, 2].sum()))
+
+    @property
+    def samples(self) -> float:
+        """Number of independent pairs, less those that further walkers' mean turning takes."""
+        _, _, count, overlaps = self.sums.sum(axis=0)
+        return max(float(count**2 / overlaps) - len(self.sums) + 1.0, 1.0 + 1e-9)
 
     @property
     def rate(self) -> float:
         """Rate of losing direction, 1/sample, with the bias of the mean turning removed."""
-        return (self.lost - self.lost_first) / (self.lag - self.first) * self.independent / (self.independent - 1.0)
+        independent = self.samples + len(self.sums) - 1.0
+        return float(np.diff(self.lost)[0]) / (self.lag - self.first) * independent / (self.samples - 1.0)
 
     def exponents(self, rate: float) -> tuple[float, float]:
         """Return the loss of direction by turning at a `rate` (1/sample), and with noise, at the lag."""
         turned = rate * self.lag
-        return turned, turned + max(self.lost_first - rate * self.first, 0.0)
+        return turned, turned + max(float(self.lost[0]) - rate * self.first, 0.0)
 
     def error(self, rate: float) -> float:
         """Return the relative standard error of the rate."""
         turned, total = self.exponents(rate)
         growth, noise = math.sinh(min(total, 50.0)) / total, total - turned
         # Noise of the places differs from pair to pair, but neighbouring displacements share some
-        of_noise = NOISE_CORRELATION * (4.0 * turned * noise + 2.0 * noise**2) / self.all_pairs
-        return growth * math.sqrt(2.0 / self.independent + of_noise / turned**2)
+        of_noise = NOISE_CORRELATION * (4.0 * turned * noise + 2.0 * noise**2) / self.sums[:, 2].sum()
+        return float(growth * math.sqrt(2.0 / self.samples + of_noise / turned**2))
 
 
 def persistence(tracks: Sequence[Track], settings: Settings, speed: Quantity) -> dict[str, Quantity]:
@@ -64,17 +74,18 @@ def persistence(tracks: Sequence[Track], settings: Settings, speed: Quantity) ->
     names = "persistence_rate", "persistence_time", "persistence_length"
     windows = [0] if settings.headed else [settings.grid.step << doubling for doubling in range(WINDOW_COUNT)]
     found = [pairs for window in windows for pairs in _find_pairs(tracks, window)]
-    usable = [pairs for pairs in found if pairs.independent >= MIN_SAMPLES and pairs.rate > 0.0]
+    usable = [pairs for pairs in found if pairs.samples >= MIN_SAMPLES and pairs.rate > 0.0]
     if not usable:
-        most = f"{max((pairs.independent for pairs in found), default=0.0):.0f} independent pairs of directions"
+        most = f"{max((pairs.samples for pairs in found), default=0.0):.0f} independent pairs of directions"
         reason = f"{most} out of reach of walls; at least {MIN_SAMPLES}: film for longer, or in a larger box"
         return {name: refusal(name, reason) for name in names}
-    typical = max(usable, key=lambda pairs: pairs.independent).rate
-    best = min(usable, key=lambda pairs: pairs.error(typical) if pairs.lost < MAX_LOSS else math.inf)
+    typical = max(usable, key=lambda pairs: pairs.samples).rate
+    best = min(usable, key=lambda pairs: pairs.error(typical) if pairs.lost[1] < MAX_LOSS else math.inf)
     rate, interval = best.rate, settings.interval
     turned, total = best.exponents(rate)
-    noise, error = rate * (total - turned) / turned / interval, best.error(rate)
-    freedom = max(2.0 * (total / (turned * error)) ** 2 - 1.0, 1.0)
+    noise = rate * (total - turned) / turned / interval
+    error, widening = _error_over_walkers(best, best.error(rate))
+    freedom = max(2.0 * (total / (turned * error * widening)) ** 2 - 1.0, 1.0)
     per_s = quantity(names[0], rate / interval, error * rate / interval, freedom)._replace(noise=noise)
     time = quantity(names[1], interval / rate, error * interval / rate, freedom)._replace(noise=noise, power=-1)
     if per_s.interval() is None or time.interval() is None:
@@ -99,20 +110,30 @@ def _find_pairs(tracks: Sequence[Track], window: int) -> list[_Pairs]:
     longest = max((int(each.max(initial=0)) for each in reach), default=0)
     found = []
     for lag in map(int, lag_sums.log_spaced_lags(longest, LAG_COUNT, MIN_LAG_RATIO * first)):
-        sums, count, overlaps = np.zeros(2, complex), 0, 0.0
+        rows = []
         for unit, free in zip(units, reach, strict=True):
             if len(unit) <= lag:
                 continue
             near, far = (np.conj(unit[:-lag]) * unit[at : len(unit) - lag + at] for at in (first, lag))
             known = (free[:-lag] >= lag) & ~np.isnan(near + far)
-            sums += near[known].sum(), far[known].sum()
-            count += int(known.sum())
-            overlaps += _sum_overlaps(known, first, lag)
-        if count and np.abs(sums).all():
-            lost_first, lost = -np.log(np.abs(sums) / count)
-            independent = max(count**2 / overlaps, 1.0 + 1e-9)
-            found.append(_Pairs(first, lag, count, independent, float(lost_first), float(lost)))
+            if known.any():
+                overlaps = _sum_overlaps(known, first, lag)
+                rows.append((abs(near[known].sum()), abs(far[known].sum()), np.count_nonzero(known), overlaps))
+        if rows and (sums := np.array(rows, dtype=float)).all():
+            found.append(_Pairs(first, lag, sums))
     return found
+
+
+def _error_over_walkers(pairs: _Pairs, error: float) -> tuple[float, float]:
+    """Return the relative error, that over walkers if they differ by more, and the widening of its bounds."""
+    if len(pairs.sums) < 2:
+        return error, 1.0
+    parts = (pairs.sums, *(np.delete(pairs.sums, walker, axis=0) for walker in range(len(pairs.sums))))
+    whole, *left_out = (float(np.diff(pairs._replace(sums=part).lost)[0]) for part in parts)
+    number = interval_laws.with_walker_error(Quantity("", "", whole, error * whole, pairs.samples), left_out, False)
+    if number.freedom == pairs.samples:
+        return error, 1.0
+    return number.pair[1] / whole, student_quantile(number.freedom, 0.975) / student_quantile(math.inf, 0.975)
 
 
 def _sum_overlaps(starts: Mask, first: int, lag: int) -> float:

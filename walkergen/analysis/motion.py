@@ -472,7 +472,8 @@ def _describe_method(
     if not in_pieces:
         method = f"speed {speed}; errors from {samples} independent samples of particles"
         return f"{method}; mean speed: {comparison.limit}" if comparison else method
-    pieces = f"{samples} pieces of " + ("equal times of free motion" if settings.walls else f"{length_s:.3g} s")
+    free = "equal times of free motion, of persistence from independent pairs of directions"
+    pieces = f"{samples} pieces of " + (free if settings.walls else f"{length_s:.3g} s")
     if comparison is None:
         return f"speed {speed}; errors from {pieces}, which do not show how walkers differ"
     walkers = comparison.walkers

@@ -19,21 +19,15 @@ MIN_LIKELIHOOD = 0.6
 """Minimum likelihood of a part that counts: DeepLabCut draws parts from this value on."""
 
 MIDDLE_NAMES = ("centroid", "center", "centre", "middle", "body", "thorax")
-FRONT_NAMES, BACK_NAMES = (
-    ("front", "head", "nose", "snout"),
-    ("back", "rear", "tail", "tail_base", "tailbase", "abdomen"),
-)
+FRONT_NAMES = ("front", "head", "nose", "snout")
+BACK_NAMES = ("back", "rear", "tail", "tail_base", "tailbase", "abdomen")
 """Names of parts of a body: its middle, and the ends between which it heads."""
-
 
 PICTURE_PATTERN = re.compile(r".*?(\d+)\.(?:png|jpe?g|bmp|tiff?),", re.IGNORECASE)
 """Name of a picture, with its folders, which DeepLabCut has in place of a frame; it ends in the frame's number."""
 
 PIXEL_COLUMNS = {
-    "frame": NamedColumn("frame", ""),
-    "x": NamedColumn("x", PIXEL),
-    "y": NamedColumn("y", PIXEL),
-    "theta": NamedColumn("theta", "rad"),
+    name: NamedColumn(name, unit) for name, unit in (("frame", ""), ("x", PIXEL), ("y", PIXEL), ("theta", "rad"))
 }
 """Columns of poses, with their units."""
 

@@ -18,7 +18,6 @@ from walkergen.core.numerics import Array
 TRACKS_COLUMN = "tracks"
 """Column with a file of tracks instead of a speed, relative to the folder of the file of speeds."""
 
-
 PIXEL = "px"
 """Unit of places in a picture. --mm-per-px gives its size."""
 
@@ -69,10 +68,8 @@ UNITS_BY_COLUMN: Mapping[str, Sequence[str]] = MappingProxyType(
 )
 """Units that a column of a kind may have."""
 
-
 AXIS_FIRST_PATTERN, AXIS_LAST_PATTERN = r"(?P<axis>[xy])[ _]?(?P<label>\w+)", r"(?P<label>.+)[ _.](?P<axis>[xy])"
 """Names of columns of one walker among several: its axis, and its label."""
-
 
 BOX_LABELS = ({"1", "2"}, {"min", "max"})
 """Labels of the corners of boxes around walkers, which have a column of their numbers."""
@@ -88,7 +85,6 @@ WALKERGEN_PROGRAM = "walkergen"
 
 SCALE_COLUMNS = ("mm_per_px", "mm_per_px_se")
 """Columns of a film's scale and its standard error, the same in all rows of a film."""
-
 
 CLOCK_PATTERN = re.compile(
     r"(?<![^,;\t\" ])(?:(\d{4}-\d\d-\d\d)[T ])?(?:(\d+):)?(\d{1,2}):(\d{1,2}(?:\.\d+)?)Z?(?=[,;\t\"\s]|$)"

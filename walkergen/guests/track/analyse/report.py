@@ -103,7 +103,7 @@ def _tables(motion: Motion, names: Mapping[int, str]) -> Iterator[Table]:
     rows = [
         (
             *(key, number.value, number.se, facts.scale_se(number, motion)),
-            *(*facts.interval_bounds(number), number.refused),
+            *(number.low_95, number.high_95, number.refused),
             "" if number.value is None else motion.counted.get(number.key, ""),
         )
         for key, number in estimates.items()
@@ -150,7 +150,7 @@ def _walker_table(motion: Motion, names: Mapping[int, str]) -> Table:
     rows, by_number = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
         speed, turning = (walker.mean(name) for name in WALKER_ESTIMATES)
-        numbers = (speed.value, speed.se, *facts.interval_bounds(speed), turning.value, turning.se)
+        numbers = (speed.value, speed.se, speed.low_95, speed.high_95, turning.value, turning.se)
         name = (names[walker.particle],) if names else ()
         rows.append((walker.particle, walker.seconds, *numbers, speed.refused, *name))
     turns = any("turning_bias" in walker.means for walker in motion.walkers)
