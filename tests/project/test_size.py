@@ -21,11 +21,11 @@ LIMITS = {
     "walkergen/api": 310,
     "walkergen/app": 2670,
     "walkergen/cli": 880,
-    "walkergen/commands": 8380,
-    "walkergen/core": 18030,
+    "walkergen/commands": 8390,
+    "walkergen/core": 18040,
     "walkergen/files": 1540,
     "walkergen/guests/crowd": 7320,
-    "walkergen/guests/lab": 5000,
+    "walkergen/guests/lab": 5080,
     "walkergen/guests/movie": 1510,
     "walkergen/guests/sweep": 2320,
     "walkergen/guests/track": 3640,
@@ -35,7 +35,7 @@ LIMITS = {
     "benchmarks": 2760,
     "docs": 690,
     "evidence": 8000,
-    "tests": 41170,
+    "tests": 41260,
 }
 
 
