@@ -54,7 +54,7 @@ def test_mistakes_in_a_scene_are_one_line(tmp_path):
         config.read_section(path, Scene)
     lines = str(caught.value).splitlines()
     assert len(lines) == 2
-    assert "lane.toml:1: drive" in lines[0]
+    assert "lane.toml:4: drive.gamma = 3" in lines[0]
     assert "contradicts" in lines[0]
     assert "1.8" in lines[0]
     assert "lane.toml:6: contact.friction = -1" in lines[1]

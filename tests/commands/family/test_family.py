@@ -161,7 +161,7 @@ def test_a_part_too_large_for_the_printer_is_refused_before_anything_is_written(
 def test_walkers_that_stand_are_one_line_and_the_mass_is_a_balances(tmp_path):
     report = make_family(tmp_path)
     text = report.markdown()
-    assert "braced legs, 0 to 35 deg: 3 walkers of 0.982 to 1.03 g that stand" in text
+    assert "braced legs, 0 to 35 deg: 3 walkers of 0.982 to 1.03 g stand still" in text
     assert text.index("0.8928") < text.index("0.8333")  # M + 2 m before M
     assert len(report.tables[0]) == 6
 

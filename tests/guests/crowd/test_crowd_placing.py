@@ -110,8 +110,8 @@ def test_one_disc_is_anywhere_within_its_dish_with_equal_probability():
         (1, "disc:20", ("arena_mm", "29.")),
         (1, "periodic:25", ("arena_mm", "29.")),
         (1, "ring:60,50", ("not fit", "(arena)")),
-        (30, "disc:100", ("crowd.packing = 0.86", "at most", "packing)")),
-        (100, "disc:100", ("crowd.packing = 2.85", "(count, packing)")),
+        (30, "disc:100", ("fill 0.86 of it", "At most 0.66", "packing)")),
+        (100, "disc:100", ("fill 2.85 of it", "(count, packing)")),
     ],
 )
 def test_a_crowd_without_room_is_refused_by_its_packing(number, words, named):

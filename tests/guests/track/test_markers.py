@@ -359,7 +359,7 @@ def test_two_seconds_of_black_are_a_gap_that_is_told(tmp_path, pictures):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--markers", "april"), "--markers 'april': must be one of aruco"),
+        (("--markers", "april"), "--markers 'april': must be aruco"),
         (("--markers", "aruco", "--length", "28"), "--markers aruco determines it: leave --length out"),
         (("--marker-mm", "7.2", "--length", "28"), "--markers is not given: leave --marker-mm out"),
         (("--markers", "aruco", "--marker-mm", "-1"), "--marker-mm '-1'"),
