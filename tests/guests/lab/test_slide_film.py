@@ -99,7 +99,7 @@ def test_calibrate_joins_films_with_angles(tmp_path):
     assert row["value"] == pytest.approx(0.3, abs=2.0 * row["se"])
     assert (row["readings"], row["dof"]) == (5, 2)
     path.write_text(csv_text(HEADER, [("block", "slides_deg", 20, 1, "", "", "", "0.csv")]))
-    with pytest.raises(InputError, match="slides_deg does not use the column tracks. Leave it blank"):
+    with pytest.raises(InputError, match="slides_deg does not use the column tracks"):
         wg.calibrate(path, out=tmp_path / "o")
 
 
