@@ -193,7 +193,7 @@ def _confirm_text(text: str, asks: bool) -> None:
 
     known = templates.all_names("walkers")
     close = difflib.get_close_matches(text, known, n=1)
-    missing = f"{text[:80]!r}: no such template or file" + (f"; did you mean {close[0]}?" if close else "")
+    missing = f"{text[:80]!r}: no such template or file" + (f". Did you mean {close[0]}?" if close else "")
     if asks and sys.stdin.isatty() and sys.stderr.isatty():
         print(f"{missing}\nA walker of these letters? [y/N] ", end="", file=sys.stderr, flush=True)
         if sys.stdin.readline().strip().lower() in ("y", "yes"):

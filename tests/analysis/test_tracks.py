@@ -114,9 +114,9 @@ def test_a_table_with_times_as_a_lane_turned_over_and_with_ids(tmp_path):
     assert lane.tracks[0].heading is None
     numbered = "time,x,y,id\n0,1,2,5\n0,1,3,7\n0.1,2,4,5\n"
     assert [one.particle for one in read(tmp_path, numbered, Units(unit="cm")).tracks] == [5, 7]
-    with pytest.raises(InputError, match=r"fps=100: .* has its own time; leave out fps"):
+    with pytest.raises(InputError, match=r"fps=100: .* has its own time\. Leave out fps"):
         read(tmp_path, text)
-    with pytest.raises(InputError, match="link the positions first"):
+    with pytest.raises(InputError, match="Link the positions first"):
         read(tmp_path, "time,x,y\n0,1,2\n0,1,3\n0.1,2,4\n", Units(unit="mm"))
 
 

@@ -354,7 +354,7 @@ REFUSED = {
         lambda words: PAPER.variant(**words),
         [
             ({"legs.flexible_thickness_mm": -0.5}, r"koumakis2016: .* = -0.5: must be a number"),
-            ({"legs.flexible_thicknes": 1}, r"did you mean legs.flexible_thickness_mm\?"),
+            ({"legs.flexible_thicknes": 1}, r"Did you mean legs.flexible_thickness_mm\?"),
             ({"legs[1].tilt_deg": 1}, "legs is not a list"),
             ({"legs[x]": 1}, r"'legs\[x\]': must be a key of the TOML file"),
             ({"": 1}, "must be a key of the TOML file"),
@@ -369,7 +369,7 @@ REFUSED = {
         lambda words: LANE.variant(**words),
         [
             ({"drive.gamma": float("nan")}, "drive.gamma = nan: must be"),
-            ({"gamma": 2}, r"gamma: unknown key; did you mean drive.gamma\?"),
+            ({"gamma": 2}, r"gamma: unknown key. Did you mean drive.gamma\?"),
         ],
     ),
     "predict": (
@@ -389,7 +389,7 @@ REFUSED = {
             ({"frame": [0, 1], "x": [0.0, 1.0]}, "^tracks: no column 'y'"),
             ({"frame": [0, 1], "x": [0.0]}, "^tracks: columns must be of one length, seen frame 2, x"),
             (7, "^tracks: int seen: must be the path of a CSV file"),
-            ({"a": [1]}, "^tracks: no column 'x'; rename the one"),
+            ({"a": [1]}, "^tracks: no column 'x'. Rename the one"),
         ],
     ),
     "family": (

@@ -152,7 +152,7 @@ def test_a_full_disk_at_any_size_loses_nothing(job):
         def full(size=size):
             resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
             told = refusal(work)
-            assert not told or "File too large; try another" in told
+            assert not told or "File too large. Try another" in told
             sys.exit(bool(told))
 
         code, _, _ = run_in_child(full)
@@ -268,7 +268,7 @@ def test_a_place_where_nothing_can_be_written_is_told_before_the_work(tmp_path, 
     for name in ("", "out", "a/b/out"):
         code, _, told = run_in_child(command("crowd", "--count", "900", "--out", tmp_path / name))
         assert (code, is_one_line(told)) == (1, True)
-        assert f"'{tmp_path / name}': cannot be written: Permission denied; try another --out" in told
+        assert f"'{tmp_path / name}': cannot be written: Permission denied. Try another --out" in told
     assert not tree(tmp_path)
     monkeypatch.undo()
     (tmp_path / "file").touch()

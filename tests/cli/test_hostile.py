@@ -122,7 +122,7 @@ def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
     [
         (("export", "--text", "\udcff"), "text holds bytes that are not UTF-8"),
         (("predict", "--set", "body.outline=[[{}]]"), "outline"),
-        (("predict", "u.toml"), "byte 0x00; save it as UTF-8"),
+        (("predict", "u.toml"), "byte 0x00. Save it as UTF-8"),
     ],
 )
 def test_shapes_and_files_of_other_kinds_are_refused(tmp_path, monkeypatch, words, told):

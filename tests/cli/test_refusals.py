@@ -59,11 +59,11 @@ ORDERS = "design,tilt_deg,legs,copies\n"
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">{}</svg>'
 USES = "".join(f'<g id="u{n}">' + f'<use href="#u{n - 1}"/>' * 10 + "</g>" for n in range(1, 12))
 LONG = [
-    ("set", "body.length_mm=" + "9" * 20_000, "at most 10000"),
+    ("set", "body.length_mm=" + "9" * 20_000, "At most 10000"),
     ("set", "body.length_mm=" + "9" * 9_000, "must be a number"),
     ("set", "body.length_mm=" + "[" * 9_000, "is not a list or table of TOML"),
     ("set", "x" * 9_000 + "=1", "unknown key"),
-    ("axes", "a." * 5000 + "a=1", "at most 10000"),
+    ("axes", "a." * 5000 + "a=1", "At most 10000"),
     ("design", "a = " + "[" * 20_000, "not valid TOML"),
     ("design", LEGS * 33, "mine.toml:1: legs: has 66 entries. It must have at most 64."),
     ("orders", ORDERS + "koumakis2016,10,," + "9" * 5000 + "\n", ":2: copies = "),

@@ -94,7 +94,7 @@ def test_files_without_a_mesh_are_refused(tmp_path):
 
     with pytest.raises(InputError, match="no such file"):
         body_mesh.read_body(tmp_path / "none.stl")
-    assert "'.step'; give a mesh: stl, obj" in refusal_of(file("a.step", b"ISO-10303-21;"))
+    assert "'.step'. Give a mesh: stl, obj" in refusal_of(file("a.step", b"ISO-10303-21;"))
     assert "is no binary STL file of" in refusal_of(file("empty.stl", b""))
     assert "is no binary STL file of 0 triangles" in refusal_of(file("zero.stl", bytes(84)))
     huge = file("huge.stl", bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(501))

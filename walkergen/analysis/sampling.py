@@ -115,7 +115,7 @@ def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, 
     ticks = (times - times.min()) / interval
     if ticks.max() > MAX_TICKS:
         raise InputError(
-            f"{path}: {name} goes on for {ticks.max():.3g} samples of {interval:g} s; at most "
+            f"{path}: {name} goes on for {ticks.max():.3g} samples of {interval:g} s. At most "
             f"{MAX_TICKS:g}: is a time mistyped?"
         )
     return interval, ticks, np.abs(ticks - np.rint(ticks)) > max(GRID_TOLERANCE, rounding / interval)
@@ -167,7 +167,7 @@ def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> 
     if repeated.any() and "particle" not in table.values:
         raise InputError(
             f"{path}: line {table.lines[repeated][0]} repeats a frame and there is no column "
-            "particle; link the positions first (trackpy.link)"
+            "particle. Link the positions first (trackpy.link)"
         )
     bad = table.reject_rows(repeated, "its particle has been seen at this time before").bad
     bad |= table.reject_rows(unnumbered, "particle is not a whole number").bad
@@ -176,7 +176,7 @@ def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> 
         raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(bad)}")
     names, starts = np.unique(particle[order], return_index=True)
     if len(names) > MAX_PARTICLES:
-        raise InputError(f"{path}: {len(names)} particles; at most {MAX_PARTICLES}: leave out short tracks")
+        raise InputError(f"{path}: {len(names)} particles. At most {MAX_PARTICLES}: leave out short tracks")
     groups = np.split(order, starts[1:])
     stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(ticks[g]).astype(np.int64)) for g in groups]))
     stride = max(stride, 1)
@@ -184,7 +184,7 @@ def _build_tracks(path: Path, table: Columns, ticks: Array, interval: float) -> 
     if total > MAX_FRAMES:
         raise InputError(
             f"{path}: the particles' first and last times are {total} steps apart in all, with "
-            f"{len(order)} rows; at most {MAX_FRAMES}: is a time or frame mistyped?"
+            f"{len(order)} rows. At most {MAX_FRAMES}: is a time or frame mistyped?"
         )
     tracks = tuple(
         _build_track(
@@ -202,8 +202,8 @@ def _build_track(
     speeds = np.unique(plate_speeds[rows][~np.isnan(plate_speeds[rows])])
     if len(speeds) > 1:
         raise InputError(
-            f"{path}: particle {particle} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
-            "give it a new number for each"
+            f"{path}: particle {particle} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}). "
+            "Give it a new number for each"
         )
     if len(speeds) and speeds[0] < 0:
         raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")

@@ -66,7 +66,7 @@ def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
     else:
         table = columns.read_numbers(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
     if len(table.lines) > MAX_SPEEDS:
-        raise InputError(f"{path}: {len(table.lines)} speeds; at most {MAX_SPEEDS}: is it a film?")
+        raise InputError(f"{path}: {len(table.lines)} speeds. At most {MAX_SPEEDS}: is it a film?")
     for name in optional:
         _check_positive(path, table, name)
     for name, most in MAX_VALUES.items():

@@ -93,7 +93,7 @@ def npz_lines(path: Path) -> Iterator[str] | None:
         return None
     with file_reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
         if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
-            raise InputError(f"{path}: more than {MAX_BYTES} bytes when unpacked; is it the right file?")
+            raise InputError(f"{path}: more than {MAX_BYTES} bytes when unpacked. Is it the right file?")
         with np.load(path, allow_pickle=False) as archived:
             values = {name: np.asarray(archived[name]) for name in archived.files}
     time_name = next((name for name in ("frame", "time", "t_s") if name in values), None)
@@ -178,7 +178,7 @@ def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
             continue
         if data.size > MAX_NUMBERS:
             raise InputError(
-                f"{path}: {safe_text.shorten_line(name)[:30]} has {data.size} numbers; at most {MAX_NUMBERS}"
+                f"{path}: {safe_text.shorten_line(name)[:30]} has {data.size} numbers. At most {MAX_NUMBERS}"
             )
         dimensions[name] = _dimension_names(file, data)
         attributes[name] = _decode_attributes(

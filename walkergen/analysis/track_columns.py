@@ -149,7 +149,7 @@ def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
         for kind, rank, unit in _possible_kinds(name):
             candidates.setdefault(kind, []).append((rank, NamedColumn(name, unit)))
     if len(candidates.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
-        raise InputError("both theta (rad) and theta_deg; keep one")
+        raise InputError("both theta (rad) and theta_deg. Keep one")
     # Of names of equal rank take the one that states a unit other than pixels
     return {
         kind: min(found, key=lambda ranked: (ranked[0], ranked[1].unit in ("", PIXEL)))[1]
@@ -205,7 +205,7 @@ def missing_column_error(path: object, names: Sequence[str], kind: str) -> Input
     seen = safe_text.shorten_line(", ".join(name for name in names if name))
     dots = "" if len(seen) < MAX_SHOWN_LETTERS else " ..."
     return InputError(
-        f"{path}: no column {kind!r}; rename the one that holds it to {rename[kind]} (seen: "
+        f"{path}: no column {kind!r}. Rename the one that holds it to {rename[kind]} (seen: "
         f"{seen[:MAX_SHOWN_LETTERS]}{dots}); "
         "walkergen analyse --help lists the formats"
     )

@@ -170,11 +170,11 @@ def _read_walkergen(path: Path, source: Source, units: Units) -> Tracks:
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is of a walker in a lane, and has no y"
-        raise InputError(f"‹y_down›: {path} {y}; leave out ‹y_down›")
+        raise InputError(f"‹y_down›: {path} {y}. Leave out ‹y_down›")
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
-            raise InputError(f"‹{field}=›{shown}: {path} has its own t_s and x_mm; leave out ‹{field}›")
+            raise InputError(f"‹{field}=›{shown}: {path} has its own t_s and x_mm. Leave out ‹{field}›")
     tracks = sampling.from_times(path, source.table, "t_s")
     return tracks._replace(scale_se=_scale_se(path, source.table))
 
@@ -188,7 +188,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
     ):
         named = source.named.get(kind)
         if named and unit in known and named.unit in known and unit != named.unit:
-            raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}; leave out ‹unit›")
+            raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}. Leave out ‹unit›")
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
@@ -207,12 +207,12 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
     if counted and not unit:
         if units.fps is None and not frames:  # frames are written twice if the rate is unknown
             raise InputError(
-                f"{path}: {named.name} holds whole numbers without a unit; give ‹unit=›s (or ms), or ‹fps› "
+                f"{path}: {named.name} holds whole numbers without a unit. Give ‹unit=›s (or ms), or ‹fps› "
                 "where it counts frames"
             )
         return _frame_rate(path, source, units), False, () if frames else (f"{named.name} is taken to count frames",)
     if units.fps is not None:
-        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {named.name}; leave out ‹fps›")
+        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {named.name}. Leave out ‹fps›")
     return TIME_UNITS_S[unit or "s"], True, () if unit else (f"{named.name} is taken as seconds",)
 
 
@@ -220,7 +220,7 @@ def _frame_rate(path: Path, source: Source, units: Units) -> float:
     """Return the given frames per second of a file that counts frames. Raises InputError without them."""
     if units.fps is None:
         pixels = units.mm_per_px is None and source.named["x"].unit in ("", PIXEL) and not units.unit
-        more = " and pixels; give ‹fps› and ‹mm_per_px› (or ‹unit=›mm if these are mm)" if pixels else "; give ‹fps›"
+        more = " and pixels. Give ‹fps› and ‹mm_per_px› (or ‹unit=›mm if these are mm)" if pixels else ". Give ‹fps›"
         raise InputError(f"{path}: counts frames{more}")
     return _check_range("fps", units.fps)
 
@@ -236,13 +236,13 @@ def _mm_per_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
     """Return the millimetres of a unit of the positions, and a note on the unit. Raises InputError if it is unknown."""
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
-        raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")
+        raise InputError(f"{path}: {named.name} and {across.name} are of different units. Give both one")
     unit = given.length or named.unit
     by_frame = "time" not in source.table.values
     if unit in LENGTH_UNITS_MM:
         if units.mm_per_px is not None:
             raise InputError(
-                f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave out ‹mm_per_px›"
+                f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}. Leave out ‹mm_per_px›"
             )
         origin = "by ‹unit›" if given.length else f"as {named.name} says"
         return LENGTH_UNITS_MM[unit], f"places are in {unit}, {origin}"
@@ -250,10 +250,10 @@ def _mm_per_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
         return _check_range("mm_per_px", units.mm_per_px), ""
     if unit == PIXEL or (by_frame and not unit):
         raise InputError(
-            f"{path}: counts pixels; give ‹mm_per_px›, the millimetres per pixel (or ‹unit=›mm if x and y are in mm)"
+            f"{path}: counts pixels. Give ‹mm_per_px›, the millimetres per pixel (or ‹unit=›mm if x and y are in mm)"
         )
     raise InputError(
-        f"{path}: {named.name} has no unit; give ‹unit=›mm (or cm, m, in), or ‹mm_per_px› for pixels"
+        f"{path}: {named.name} has no unit. Give ‹unit=›mm (or cm, m, in), or ‹mm_per_px› for pixels"
         + ("; Pogotrack's files are in cm and degrees: ‹unit=›cm,deg" if "theta" in source.table.values else "")
     )
 
@@ -269,8 +269,8 @@ def _rad_per_unit(path: Path, source: Source, given: _Given) -> tuple[float, str
     if largest > MAX_TURN_RAD and _is_not_radians(source.table):
         raise InputError(
             f"{path}: {named.name} has no unit and reaches {formatting.format_number(largest, 4)}, more than a "
-            "turn in radians; "
-            "give ‹unit=›deg or ‹unit=›rad (with that of positions: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
+            "turn in radians. "
+            "Give ‹unit=›deg or ‹unit=›rad (with that of positions: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )
     return 1.0, f"{named.name} is taken as radians{', whole turns counted' if largest > MAX_TURN_RAD else ''}"
 

@@ -112,7 +112,7 @@ def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sou
         if {*several} in track_columns.BOX_LABELS[("particle" not in named) :]:
             corners = ", ".join(name for pair in several.values() for name in pair)
             raise InputError(
-                f"{path}: {safe_text.shorten_line(corners)[:60]} are corners of boxes; give their middles as x and y"
+                f"{path}: {safe_text.shorten_line(corners)[:60]} are corners of boxes. Give their middles as x and y"
             )
         return _from_pairs(path, named, several, titled)
     program, y_down = _detect_program(names, named, titled)

@@ -124,9 +124,9 @@ class Drive(Section):
                 raise ValueError(
                     f"{key} = {value!r}: only a "
                     + (
-                        "motor has this key, and kind is 'plate'; set kind = 'motor'"
+                        "motor has this key, and kind is 'plate'. Set kind = 'motor'"
                         if self.kind == "plate"
-                        else "shaken plate has this key, and kind is 'motor'; leave it out, or use ‹scene=›lane-90hz"
+                        else "shaken plate has this key, and kind is 'motor'. Leave it out, or use ‹scene=›lane-90hz"
                     )
                 )
         return self._check_plate() if self.kind == "plate" else self._check_motor()
@@ -164,7 +164,7 @@ class Drive(Section):
                 first, second = list(numbers)[:2]
                 raise ValueError(
                     f"{key} = {value:g} contradicts {first} and {second}, which give "
-                    f"{implied[key]:.5g}; remove one of them"
+                    f"{implied[key]:.5g}. Remove one of them"
                 )
         for key, value in implied.items():
             if not value <= MAX_DERIVED_NUMBER:

@@ -182,7 +182,7 @@ class Arena(Section):
         wrong = "width_mm" if self.kind == "lane" else "gap_mm"
         if getattr(self, wrong) is not None:
             raise ValueError(
-                f"{wrong} = {getattr(self, wrong):g}: a {self.kind} has no such size; give "
+                f"{wrong} = {getattr(self, wrong):g}: a {self.kind} has no such size. Give "
                 + ("gap_mm" if self.kind == "lane" else "width_mm")
             )
         return self
@@ -327,7 +327,7 @@ class Effects(Section):
     @model_validator(mode="after")
     def _check_both(self) -> "Effects":
         if both := [name for name in self.on if name in self.off]:
-            raise ValueError(f"{', '.join(both)}: in effects.on and in effects.off; remove it from one of them")
+            raise ValueError(f"{', '.join(both)}: in effects.on and in effects.off. Remove it from one of them")
         return self
 
     def forced_state(self, name: str) -> bool | None:

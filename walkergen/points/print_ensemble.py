@@ -97,7 +97,7 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
     if not inputs:
         raise InputError(
             "‹uncertain›: design and scene have no standard deviation above 0 that a simulation "
-            "reads; set one, for instance contact.restitution_sd"
+            "reads. Set one, for instance contact.restitution_sd"
         )
     values = uncertain_inputs.sample_inputs(inputs, draws, scene.run.seed)
     experiments_of = [_build_draw(scene, design, inputs, row, number) for number, row in enumerate(values)]
@@ -105,8 +105,8 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
     good = np.array([point.results[0].outcome in ENDED_WELL for point in points])
     if good.sum() < MIN_DRAWS:
         raise InputError(
-            f"‹uncertain›: {good.sum()} of {draws} runs ended well, {MIN_DRAWS} are needed; "
-            "run `simulate` without it to see how they end"
+            f"‹uncertain›: {good.sum()} of {draws} runs ended well, {MIN_DRAWS} are needed. "
+            "Run `simulate` without it to see how they end"
         )
     halves = np.array([_half_speeds(point) for point, well in zip(points, good, strict=True) if well])
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))

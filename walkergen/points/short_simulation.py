@@ -173,8 +173,8 @@ def _check_run_length(walker: Walker) -> None:
     )
     advice = "`simulate --seconds 0.1 --runs 2`"
     if least_s > 0.5 * cpu_s:
-        raise InputError(f"{walker.design.name}: {takes}, because its parts are stiff, light or small; use {advice}")
-    raise InputError(f"scene.{key} = {value:g}: {takes}; give another value, or use {advice}", f"scene.{key}")
+        raise InputError(f"{walker.design.name}: {takes}, because its parts are stiff, light or small. Use {advice}")
+    raise InputError(f"scene.{key} = {value:g}: {takes}. Give another value, or use {advice}", f"scene.{key}")
 
 
 def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:

@@ -67,7 +67,7 @@ class Store:
     def _storage_error(self, error: Exception) -> OutputError:
         """Return an OutputError, with advice, to raise instead of an error of SQLite."""
         return OutputError(
-            f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
+            f"{self.path}: the store of points cannot be used: {error}. Make room, or delete the "
             "file; its points are then computed again"
         )
 

@@ -33,7 +33,7 @@ def test_key_and_value_are_separated(text, pair):
     if pair:
         assert assignments.split_key_value(text) == pair
         return
-    with pytest.raises(InputError, match=r"write KEY=VALUE|at most 10000"):
+    with pytest.raises(InputError, match=r"write KEY=VALUE|At most 10000"):
         assignments.split_key_value(text)
 
 
@@ -69,7 +69,7 @@ def test_invalid_lists_are_refused(text):
 
 
 def test_an_unknown_key_names_the_one_that_is_most_like_it():
-    with pytest.raises(InputError, match=r"^--set a: unknown key; did you mean legs\.tilt_deg\?$"):
+    with pytest.raises(InputError, match=r"^--set a: unknown key. Did you mean legs\.tilt_deg\?$"):
         assignments.check_key("legs.tlit_deg", Design, "--set a")
     assignments.check_key("legs[2].tilt_deg", Design, "--set a")
 

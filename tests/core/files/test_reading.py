@@ -23,9 +23,9 @@ def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        (".", "is a folder; give a CSV file"),
+        (".", "is a folder. Give a CSV file"),
         ("none.csv", "no such file. Check the path."),
-        ("latin.csv", "not a CSV file in UTF-8: byte 0xe9; save it as UTF-8"),
+        ("latin.csv", "not a CSV file in UTF-8: byte 0xe9. Save it as UTF-8"),
         ("large.csv", "11 bytes, more than 10: is it the right file?"),
         ("x" * 300, "cannot be read: File name too long"),
         ("a\0b", "its name holds control characters, or bytes that are not UTF-8: rename it"),

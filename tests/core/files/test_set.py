@@ -34,9 +34,9 @@ COMMAND_INPUTS = {
     ("simulate",): "design scene",
 }
 WRONG_KEYS = {
-    "design": ("legs.lenght_mm=8", "did you mean legs.length_mm?"),
-    "scene": ("scene.drive.gama=2", "did you mean scene.drive.gamma?"),
-    "printer": ("printer.nozle_mm=0.25", "did you mean printer.nozzle_mm?"),
+    "design": ("legs.lenght_mm=8", "Did you mean legs.length_mm?"),
+    "scene": ("scene.drive.gama=2", "Did you mean scene.drive.gamma?"),
+    "printer": ("printer.nozle_mm=0.25", "Did you mean printer.nozzle_mm?"),
 }
 OUTSIDE_VALUES = {
     "design": ("body.length_mm=-5", "body.length_mm = -5: must be a number >= 1e-06"),
@@ -167,7 +167,7 @@ def test_the_exit_code_is_two(run, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["walkergen", "predict", "--set", "legs.tlt_deg=1"])
     with pytest.raises(SystemExit, match="2"):
         main()
-    assert capsys.readouterr().err == ("error: command line: legs.tlt_deg: unknown key; did you mean legs.tilt_deg?\n")
+    assert capsys.readouterr().err == ("error: command line: legs.tlt_deg: unknown key. Did you mean legs.tilt_deg?\n")
 
 
 def test_every_key_of_the_templates_can_be_set_to_its_own_value():

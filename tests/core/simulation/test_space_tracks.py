@@ -55,7 +55,7 @@ def test_a_planes_file_as_a_lane_has_no_heading(tmp_path):
 def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
     with pytest.raises(InputError, match="no column 'y'"):
         read_text(tmp_path, "t_s,x_mm,theta_rad\n0,1,0\n1,2,0\n")
-    with pytest.raises(InputError, match="y to the left of x; leave out y_down"):
+    with pytest.raises(InputError, match=r"y to the left of x\. Leave out y_down"):
         read_text(tmp_path, TURNING, Units(y_down=True))
 
 

@@ -27,7 +27,7 @@ def split_key_value(text: str) -> tuple[str, str]:
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MAX_CHARACTERS:
         raise InputError(
-            f"‹set› {text[:60]!r}...: {len(text)} letters; at most {MAX_CHARACTERS}: write long values into "
+            f"‹set› {text[:60]!r}...: {len(text)} letters. At most {MAX_CHARACTERS}: write long values into "
             "the TOML file"
         )
     if not sign or not value or not KEY_PATTERN.fullmatch(key):

@@ -147,7 +147,7 @@ def read_numbers(
     first = 2
     while chunk := list(islice(stream, CHUNK_LINES)):
         if first + len(chunk) > MAX_ROWS:
-            raise InputError(f"{path}: more than {MAX_ROWS} rows; split the file")
+            raise InputError(f"{path}: more than {MAX_ROWS} rows. Split the file")
         numbers = np.arange(first, first + len(chunk))
         values, wrong = _parse_chunk(chunk, numbers, str(path), columns, len(required), words)
         long_rows_of_chunk = _find_long_rows(chunk, first, str(path), len(names))
@@ -193,14 +193,14 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
     """
     names = [name.strip() for name in split_cells(next(stream, ""), source, 1)]
     if not any(names):
-        raise InputError(f"{source}: is empty; give {FORMAT_NAME} whose first line names its columns")
+        raise InputError(f"{source}: is empty. Give {FORMAT_NAME} whose first line names its columns")
     if len(names) == 1 and (other := next((mark for mark in ";\t|" if mark in names[0]), "")):
         raise InputError(f"{source}:1: no comma, but {other!r} seen: {SEPARATOR_HINT}")
     if len(names) > MAX_COLUMNS:
-        raise InputError(f"{source}:1: {len(names)} columns; at most {MAX_COLUMNS}")
+        raise InputError(f"{source}:1: {len(names)} columns. At most {MAX_COLUMNS} are allowed")
     twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
-        raise InputError(f"{source}:1: column {twice[0]!r} occurs twice; keep one")
+        raise InputError(f"{source}:1: column {twice[0]!r} occurs twice. Keep one")
     first = next(stream, None)
     if first is None:
         return names, stream

@@ -119,7 +119,7 @@ def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
     data_of_file = model.data_from_file(path)
     data, text = read_toml(path) if data_of_file is None else (data_of_file, "")
     if not data:
-        raise InputError(f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME")
+        raise InputError(f"{path}: the file sets nothing. Start from a template: walkergen templates copy NAME")
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
     return dict(model.with_paths_below(data, path.parent)), text
@@ -160,7 +160,7 @@ def _check_integer_size(value: Any) -> None:
         for inner in value.values() if isinstance(value, dict) else value:
             _check_integer_size(inner)
     elif isinstance(value, int) and value.bit_length() > MAX_INTEGER_BITS:
-        raise ValueError(f"a whole number of {value.bit_length()} bits; at most {MAX_INTEGER_BITS}")
+        raise ValueError(f"a whole number of {value.bit_length()} bits. At most {MAX_INTEGER_BITS} are allowed")
 
 
 def nesting_depth(value: Any) -> int:
@@ -377,7 +377,7 @@ def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix:
     close = difflib.get_close_matches(location[-1], [path[-1] for path in in_table], n=1, cutoff=0.6)
     near = [path for path in keys if path[-1] == location[-1]] + [path for path in in_table if path[-1] in close]
     if near:
-        return f"unknown key; did you mean {prefix}{'.'.join(near[0])}?"
+        return f"unknown key. Did you mean {prefix}{'.'.join(near[0])}?"
     return f"unknown key. Use one of {', '.join(path[-1] for path in in_table if table or len(path) == 1)}."
 
 

@@ -61,7 +61,7 @@ def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") 
     with _open_regular_file(path, format, most_bytes) as stream:
         data = stream.read(most_bytes + 1)
         if data is None:  # what the kernel shows as a file, and fills as it likes
-            raise InputError(f"{path}: does not end; give {format} that is stored on a disk")
+            raise InputError(f"{path}: does not end. Give {format} that is stored on a disk")
     if len(data) > most_bytes:  # it grew, or its file system reports no sizes
         raise _size_error(path, len(data), most_bytes)
     return data
@@ -86,7 +86,7 @@ def check_readable(path: Path, format: str) -> None:
     """Raise InputError, which names the required `format`, unless a file can be read and is not empty."""
     with _open_regular_file(path, format, None) as stream:
         if not stream.read(1):
-            raise InputError(f"{path}: is empty; give {format}")
+            raise InputError(f"{path}: is empty. Give {format}")
 
 
 @contextmanager
@@ -137,7 +137,7 @@ def read_lines(
                 raise UnicodeDecodeError("utf-8", b"\0", 0, 1, "no letter of a text")
             read += len(line)  # letters, of one byte at least each
             if len(line) > MAX_LINE_LENGTH:
-                raise InputError(f"{path}: a line of more than {MAX_LINE_LENGTH} letters; is it the right file?")
+                raise InputError(f"{path}: a line of more than {MAX_LINE_LENGTH} letters. Is it the right file?")
             if read > most_bytes:
                 raise _size_error(path, read, most_bytes)
             yield line
@@ -165,7 +165,7 @@ def _open_regular_file(path: Path, format: str, most_bytes: int | None) -> Itera
         raise InputError(f"{path}: no such file. Check the path.") from None
     except UnicodeDecodeError as error:
         seen = f"byte 0x{error.object[error.start]:02x}"
-        raise InputError(f"{path}: not {format} in UTF-8: {seen}; save it as UTF-8") from None
+        raise InputError(f"{path}: not {format} in UTF-8: {seen}. Save it as UTF-8") from None
     except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
@@ -174,9 +174,9 @@ def _open_regular_file(path: Path, format: str, most_bytes: int | None) -> Itera
 def _check_regular_file(path: Path, status: os.stat_result, format: str, most_bytes: int | None) -> None:
     """Raise InputError for a folder, a device, a pipe or a socket, and for too large a file."""
     if stat.S_ISDIR(status.st_mode):
-        raise InputError(f"{path}: is a folder; give {format}")
+        raise InputError(f"{path}: is a folder. Give {format}")
     if not stat.S_ISREG(status.st_mode):
-        raise InputError(f"{path}: is a pipe or a device; give {format} that lies on a disk")
+        raise InputError(f"{path}: is a pipe or a device. Give {format} that lies on a disk")
     if most_bytes is not None and status.st_size > most_bytes:
         raise _size_error(path, status.st_size, most_bytes)
 

@@ -28,7 +28,7 @@ LEDGER = ".walkergen"
 LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
 TEMPORARY_NAME = re.compile(r"\..*\.walkergen-[0-9a-f]{16}", re.DOTALL)
-NOT_OURS_MESSAGE = "not as walkergen wrote it: left alone; move it away, or give another ‹out›"
+NOT_OURS_MESSAGE = "not as walkergen wrote it: left alone. Move it away, or give another ‹out›"
 MAX_SEALED_BYTES = 500_000_000
 """Largest file that can be sealed, bytes."""
 
@@ -129,7 +129,7 @@ def _is_empty(status: os.stat_result) -> bool:
 def write_error(path: Path, error: Exception) -> OutputError:
     """Return a readable error for a file or folder that the system does not allow to be written."""
     reason = getattr(error, "strerror", None) or str(error)
-    return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another ‹out›")
+    return OutputError(f"{str(path)!r}: cannot be written: {reason}. Try another ‹out›")
 
 
 GROWING_HASH = "growing"
@@ -317,7 +317,7 @@ def _listed_hashes(facts: dict[str, Any]) -> dict[str, str]:
 
 
 def _manifest_error(path: Path, reason: str) -> OutputError:
-    return OutputError(f"{str(path)!r}: {reason}: all files there are left alone; move it away, or give another ‹out›")
+    return OutputError(f"{str(path)!r}: {reason}: all files there are left alone. Move it away, or give another ‹out›")
 
 
 def _is_inside(folder: Path, name: str) -> bool:

@@ -64,7 +64,7 @@ def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     remainder = modeller.check_solid(leg_solid - body.solid).decompose()
     pieces = [piece for piece in remainder if piece.volume() > ROUNDING_SHARE * leg_solid.volume()]
     if not pieces:
-        raise GeometryError(f"{key}: a leg lies wholly within the body; make it longer")
+        raise GeometryError(f"{key}: a leg lies wholly within the body. Make it longer")
     # (x, y, z) of the low corner come first in a bounding box
     lowest = min(pieces, key=lambda piece: piece.bounding_box()[1])
     if len(pieces) > 1:

@@ -43,10 +43,10 @@ def unpack(data: bytes, source: str) -> tuple[Corners, str]:
     elif 0 < count <= count_by_length and len(data) > start + count * TRIANGLE.itemsize:
         note = f"left out {len(data) - start - count * TRIANGLE.itemsize} bytes after its triangles"
     if count > count_by_length or count == 0:
-        raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; save it again")
+        raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles. Save it again")
     corners: Corners = np.frombuffer(data, TRIANGLE, offset=start, count=count)["corners"]
     if not np.isfinite(corners).all():
-        raise InputError(f"{source}: a corner is not finite; write the file again")
+        raise InputError(f"{source}: a corner is not finite. Write the file again")
     return corners, note
 
 

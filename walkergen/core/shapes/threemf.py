@@ -176,7 +176,7 @@ class _Package:
         root = targets[0]
         for path in targets:  # grows while it is read
             if path not in names:
-                raise InputError(f"refers to {path[:60]!r}, which it does not hold; export the file again")
+                raise InputError(f"refers to {path[:60]!r}, which it does not hold. Export the file again")
             self._parse_xml(archive, names[path], *self._model_handlers(path, path == root))
             objects_of_model = [key for key in self.objects if key[0] == path]
             placed = [part for key in objects_of_model for part in self.objects[key].components]
@@ -210,7 +210,7 @@ class _Package:
             begin(tag, attributes)
 
         def refuse_document_type(*_: object) -> None:
-            raise InputError("has a document type, which no 3MF may have; export the file again")
+            raise InputError("has a document type, which no 3MF may have. Export the file again")
 
         parser = expat.ParserCreate(namespace_separator=" ")
         parser.StartElementHandler = begin_counted
@@ -238,7 +238,7 @@ class _Package:
                 current, object_key = _new_object(attributes), (path, int(attributes["id"]))
                 if object_key in self.objects or len(self.objects) >= MAX_PARTS:
                     raise InputError(
-                        f"holds two objects {object_key[1]}; export the file again"
+                        f"holds two objects {object_key[1]}. Export the file again"
                         if object_key in self.objects
                         else f"holds more than {MAX_PARTS} objects; join them into fewer"
                     )
@@ -252,7 +252,7 @@ class _Package:
             elif tag.endswith((" metadata", " setting")):
                 setting = attributes.get("name", attributes.get("key", "")).rpartition(":")[2]
             elif tag.endswith(" beam"):
-                raise InputError("holds a lattice of beams, which is no mesh; export it as triangles")
+                raise InputError("holds a lattice of beams, which is no mesh. Export it as triangles")
 
         def text(words: str) -> None:
             """Mark the current object as not printed if the text switches on a setting of UNPRINTED_SETTINGS."""
@@ -271,7 +271,7 @@ class _Package:
         for prefix in attributes.get("requiredextensions", "").split():
             space = self._prefixes.get(prefix, prefix)
             if not space.endswith(tuple(f"/3dmanufacturing/{name}" for name in KNOWN_EXTENSIONS)):
-                raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
+                raise InputError(f"requires {space[:90]!r}, which walkergen does not read. Export plain meshes")
 
     def _note_handler(self) -> Callable[[str, Attributes], None]:
         """Return a function that stores the roles of triangles in `volumes`, from each element of a slicer's notes."""
@@ -312,13 +312,13 @@ class _Package:
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if object_key not in self.objects:
-            raise InputError(f"places an object {object_key[1]} that it does not hold; export the file again")
+            raise InputError(f"places an object {object_key[1]} that it does not hold. Export the file again")
         if object_key not in self._counts:
             counted = self.objects[object_key]
             inner = [self._count_meshes(part.object, depth + 1) for part in counted.components]
             if counted.sliced or not (inner or len(counted.triangles)):
                 what = "is given by slices, its mesh may be a stand-in" if counted.sliced else "is no mesh"
-                raise InputError(f"object {object_key[1]} {counted.name[:40]!r} {what}; give triangles")
+                raise InputError(f"object {object_key[1]} {counted.name[:40]!r} {what}. Give triangles")
             parts = sum(parts for parts, _ in inner) or 1
             self._counts[object_key] = parts, sum(count for _, count in inner) + len(counted.triangles) // 3
         return self._counts[object_key]
@@ -381,7 +381,7 @@ def _split_by_role(part: Part, volumes: list[tuple[int, int, Role]]) -> Iterator
     spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
     count = len(part.triangles)
     if sum(len(range(count)[span]) for span, _ in spans) > count:
-        raise InputError(f"{part.name[:40]!r}: its volumes share triangles; export the file again")
+        raise InputError(f"{part.name[:40]!r}: its volumes share triangles. Export the file again")
     roles = np.full(count, "model", dtype="<U8")
     for span, role in spans:
         roles[span] = role

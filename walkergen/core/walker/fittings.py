@@ -53,7 +53,7 @@ class Marks(Section):
     @model_validator(mode="after")
     def _check_text(self) -> "Marks":
         if (self.kind == "text") != (self.text is not None):
-            other = "needs text" if self.text is None else "has no text; give it kind = 'text'"
+            other = "needs text" if self.text is None else "has no text. Give it kind = 'text'"
             raise ValueError(f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together')
         return self
 

@@ -209,7 +209,7 @@ def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
             if size.max() > FRAME_WARNING_MM:
                 notes.append(
                     f"took the rectangle of {size[0]:.4g} x {size[1]:.4g} mm for the body, and what lies in it for "
-                    "holes; leave it out if it is a frame"
+                    "holes. Leave it out if it is a frame"
                 )
             break
         notes.append(

@@ -210,7 +210,7 @@ def _check_extent(contours: Sequence[Polygon]) -> None:
     if not within.all():
         wrong = int(np.flatnonzero(~within)[0]) + 1
         raise GeometryError(
-            f"point {wrong} is {_format_point(points[wrong - 1])}; give finite numbers up to {MAX_COORDINATE_MM:g}"
+            f"point {wrong} is {_format_point(points[wrong - 1])}. Give finite numbers up to {MAX_COORDINATE_MM:g}"
         )
     size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     if not MIN_LENGTH_MM <= size <= MAX_LENGTH_MM:

@@ -164,7 +164,7 @@ def _thin_line_contours(shapes: "Sequence[VisibleShape]", frame: Frame, source: 
             if not (part.closed or shape.fill.alpha > 0.0) and source:
                 begin, end = _format_point(part.local[0]), _format_point(part.local[-1])
                 raise InputError(
-                    f"{source}: a path is open: it begins at {begin} and ends at {end} of the drawing; close it (Z), "
+                    f"{source}: a path is open: it begins at {begin} and ends at {end} of the drawing. Close it (Z), "
                     "leave it out, or make a path of its stroke"
                 )
         closed = [part.points for part in parts if len(part.points) and (part.closed or shape.fill.alpha > 0.0)]

@@ -254,7 +254,7 @@ class Tree:
                 return kind(text)
         except (ValueError, TypeError, IndexError):
             pass  # like text that does not match: a number is missing
-        raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
+        raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}. Give numbers")
 
     def _parse_length(
         self, element: ET.Element, key: str, context: Context, whole: float, otherwise: float = 0.0
@@ -265,7 +265,7 @@ class Tree:
             return otherwise
         value = parse_length(text, font_size(context.style), self.rem, whole)
         if math.isnan(value):
-            raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
+            raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}. Give numbers")
         return value
 
     def _element_matrix(self, element: ET.Element, context: Context) -> Array:

@@ -132,7 +132,7 @@ def _triangle_fault(mesh: Mesh) -> str:
         return "holds no triangles"
     bad = int((~np.isfinite(mesh.vertices).all(axis=1)).sum())
     if bad:
-        return f"{bad} of {len(mesh.vertices)} vertices are not finite numbers; export the file again"
+        return f"{bad} of {len(mesh.vertices)} vertices are not finite numbers. Export the file again"
     flat = (mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)
     if flat.any():
         where = format_place(mesh.vertices[mesh.triangles[flat][0]])
@@ -166,7 +166,7 @@ def _shell_fault(mesh: Mesh, shells: Shells, several: bool = False) -> str:
     if len(outward) > 1 and not several:
         sizes = np.sort(shells.volumes[outward])[::-1]
         listed = ", ".join(f"{size:.4g}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
-        return f"holds {len(outward)} bodies of {listed} mm^3; give one"
+        return f"holds {len(outward)} bodies of {listed} mm^3. Give one"
     return _nesting_fault(mesh, shells) if shells.number > 1 else ""
 
 
@@ -182,7 +182,7 @@ def _nesting_fault(mesh: Mesh, shells: Shells) -> str:
         turns = sum(winding_number(Mesh(mesh.vertices, pieces[other]), point) for other in near)
         if abs(turns - is_cavity) > 0.5:  # around a body lies nothing or a cavity, around a cavity its body
             what = "a second body, inside out," if is_cavity else "a body within another"
-            return f"holds {what} at {format_place(corners[number][0])}; remove it or turn it"
+            return f"holds {what} at {format_place(corners[number][0])}. Remove it or turn it"
     return ""
 
 

@@ -66,7 +66,7 @@ def read_mesh(path: Path, source: str) -> MeshFile:
     """Read the printable parts of a mesh file. Raises InputError, beginning with `source`, for any other file."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
-        raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
+        raise InputError(f"{source}: ends in {path.suffix[:20]!r}. Give a mesh: {', '.join(FORMATS)}")
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, kind.upper()):
         raw, notes = _read_parts(data, kind, source)

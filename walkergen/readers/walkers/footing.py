@@ -43,7 +43,7 @@ def find_footing(
     near_triangles = body.mesh.triangles[_is_near_line(body.mesh, foot, axes[:2], half)]
     distance = first_hit(body.mesh.vertices[near_triangles], foot, direction)
     if distance is None:
-        raise GeometryError(f"{subject} misses the body; move it under the body")
+        raise GeometryError(f"{subject} misses the body. Move it under the body")
     anchor = foot + distance * direction
     bounds = _height_bounds((body.mesh.vertices[near_triangles] - foot) @ axes.T, half)
     if bounds is not None:
@@ -58,7 +58,7 @@ def find_footing(
     heights = [(points - foot) @ direction for points in outside]
     lower = [height for height in heights if height.min() < joining.ROUNDING_SHARE * leg_length]
     if len(lower) != 1:
-        raise GeometryError(f"{subject} begins within the body; make the leg longer")
+        raise GeometryError(f"{subject} begins within the body. Make the leg longer")
     reach = float(lower[0].max())
     above = min(
         (float(height.min()) for height in heights if height.min() >= joining.ROUNDING_SHARE * leg_length),
@@ -67,7 +67,7 @@ def find_footing(
     if reach > leg_length * (1.0 - joining.ROUNDING_SHARE):
         raise GeometryError(
             f"{subject}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
-            "it lies under a hole or beyond an edge; move it or make it smaller"
+            "it lies under a hole or beyond an edge. Move it or make it smaller"
         )
     return Footing(anchor, reach, above)
 

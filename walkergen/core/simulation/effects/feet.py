@@ -86,7 +86,7 @@ def corner_contact(scene: Scene, limb: Limb, material: Material) -> Foot:
     e = scene.contact.restitution if limb.restitution is None else limb.restitution
     if e < MIN_RESTITUTION:
         raise InputError(
-            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; give {MIN_RESTITUTION:g}..1"
+            f"contact.restitution = {e:g}: an elastic foot always rebounds a little. Give {MIN_RESTITUTION:g}..1"
         )
     return Foot(axial_stiffness(limb, material.youngs_modulus), tip_stiffness(scene, material), damping_ratio(e))
 

@@ -75,7 +75,7 @@ def decide(case: Case) -> Effect:
     if number > MAX_PUSH_RATIO:
         raise InputError(
             f"drive.eccentric_g_mm = {drive.eccentric_moment:.3g} at {drive.frequency:g} Hz: pushes with "
-            f"{number:.3g} times the walker's weight; at most {MAX_PUSH_RATIO:g}; lower one of them"
+            f"{number:.3g} times the walker's weight. At most {MAX_PUSH_RATIO:g} is allowed. Lower one of them"
         )
     return Effect(NAME, True, number, meaning, "drive.kind = 'motor'", "")
 

@@ -71,7 +71,7 @@ def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
     if last - first < MIN_LINES:
         raise InputError(
             f"plate.noise_band_hz = [{low:g}, {high:g}]: the band holds {last - first} "
-            f"multiples of 1/({count * interval:.3g} s), at least {MIN_LINES} are needed; widen it"
+            f"multiples of 1/({count * interval:.3g} s), at least {MIN_LINES} are needed. Widen it"
         )
     return count, interval, max(first, 1), last
 

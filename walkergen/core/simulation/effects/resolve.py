@@ -79,7 +79,7 @@ def _check_headings(scene: Scene, can_turn: bool) -> None:
     if (headings == "uniform" or any(headings)) and not can_turn:
         raise InputError(
             f"run.heading_deg = {words}: {forced_effect_line(turning.SWITCH, False)} holds the walker in its "
-            "plane along x; leave one of them out"
+            "plane along x. Leave one of them out"
         )
 
 

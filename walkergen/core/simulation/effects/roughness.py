@@ -43,7 +43,7 @@ def decide(case: Case) -> Effect:
     if on and slope > MAX_RMS_SLOPE:
         raise InputError(
             f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "
-            f"root mean square slope of {slope:.2g}, at most {MAX_RMS_SLOPE:g}; make bumps lower or longer"
+            f"root mean square slope of {slope:.2g}, at most {MAX_RMS_SLOPE:g}. Make bumps lower or longer"
         )
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
 

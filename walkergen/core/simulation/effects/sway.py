@@ -97,7 +97,7 @@ def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
     on, reason = decide_from_key(case, key, switch)
     if on and case.scene.drive.kind == "motor":
         raise InputError(
-            f"{describe_number(case.scene, key)}: the plate under a motor is still; leave the key out, or take "
+            f"{describe_number(case.scene, key)}: the plate under a motor is still. Leave the key out, or take "
             "a shaken plate (drive.kind = 'plate')"
         )
     return on, reason
@@ -114,7 +114,7 @@ def check_still_plate(scene: Scene, reason: str) -> None:
     """Raise InputError, which states the `reason`, if the scene's plate sways."""
     for key in KEYS:
         if not scene.is_zero(key):
-            raise InputError(f"{describe_number(scene, key)}: {reason}; leave the key out, or simulate one walker")
+            raise InputError(f"{describe_number(scene, key)}: {reason}. Leave the key out, or simulate one walker")
 
 
 def parameters(case: Case, on: Mapping[str, bool]) -> Sway:

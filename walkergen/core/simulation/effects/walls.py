@@ -40,7 +40,7 @@ def check_arena(case: Case) -> None:
         if arena.kind == "plane" and size is not None and size < needed:
             raise InputError(
                 f"arena.{key} = {size:g}: must be at least {needed:g}, since the walker is "
-                f"{needed:g} mm {extent}; take a larger plane, or leave the key out (endless)"
+                f"{needed:g} mm {extent}. Take a larger plane, or leave the key out (endless)"
             )
 
 
@@ -53,8 +53,8 @@ def gap(case: Case) -> float:
     least = depth + MIN_PLAY_RATIO * (max(leg.length for leg in legs) + size.thickness)
     if wanted < least:
         raise InputError(
-            f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep and needs {least:.6g} mm; "
-            f"widen the lane, or leave the key out ({depth + DEFAULT_PLAY_MM:g} mm)"
+            f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep and needs {least:.6g} mm. "
+            f"Widen the lane, or leave the key out ({depth + DEFAULT_PLAY_MM:g} mm)"
         )
     return wanted
 
@@ -70,7 +70,7 @@ def _check_headings(case: Case) -> None:
             words = headings if headings == "uniform" else list(headings)
             raise InputError(
                 f"run.heading_deg = {words}: at {heading:.3g} deg the walker is {across:.4g} mm wide and the lane "
-                f"{width:g} mm; widen it (arena.gap_mm), or use arena.kind = 'plane'"
+                f"{width:g} mm. Widen it (arena.gap_mm), or use arena.kind = 'plane'"
             )
 
 
@@ -108,8 +108,8 @@ def decide_lid(case: Case) -> Effect:
     least = height + DROP_AMPLITUDES * shaken.amplitude + TILT_ALLOWANCE_RAD * max(size.length, size.depth)
     if on and wanted < least:
         raise InputError(
-            f"{LID_KEY} = {wanted:g}: the walker is {height:g} mm high and needs {least:.6g} mm to start; "
-            "raise the lid, or leave the key out for an open top"
+            f"{LID_KEY} = {wanted:g}: the walker is {height:g} mm high and needs {least:.6g} mm to start. "
+            "Raise the lid, or leave the key out for an open top"
         )
     hop = shaken.peak_speed**2 / (2.0 * GRAVITY)
     return Effect(LID, on, hop / max(wanted - height, 1e-9), meaning, reason, LID)

@@ -105,7 +105,7 @@ def _check_room(crowd: lammps_input.Crowd) -> None:
         walker = int(owners[np.argmin(gaps)])
         raise InputError(
             f"places[{walker}] = {crowd.places[walker].round(3).tolist()}: is "
-            f"{-gaps.min():.3g} mm inside a wall of {crowd.dish.words}; move it"
+            f"{-gaps.min():.3g} mm inside a wall of {crowd.dish.words}. Move it"
         )
     tree = cKDTree(_wrap_points(points, period), boxsize=period or None)
     pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
@@ -117,7 +117,7 @@ def _check_room(crowd: lammps_input.Crowd) -> None:
     if len(overlaps) and overlaps.max() > MAX_OVERLAP_MM:
         first, second = sorted(owners[pairs[np.argmax(overlaps)]].tolist())
         raise InputError(
-            f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm; move them apart"
+            f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm. Move them apart"
         )
 
 

@@ -157,7 +157,7 @@ def read_form(path: Path) -> Readings:
     """
     rows = _read_rows(path)
     if len(rows) > MAX_ROWS:
-        raise InputError(f"{path}: {len(rows)} rows; at most {MAX_ROWS}")
+        raise InputError(f"{path}: {len(rows)} rows. At most {MAX_ROWS} are allowed")
     tries: dict[_Condition, list[tuple[float, float]]] = defaultdict(list)
     problems = []
     for line, row in rows:

@@ -77,7 +77,7 @@ class CalibrateRequest(CalibrateFields):
                 self.check_unset(f"works only with calibrate {' or '.join(owners)}, not with {what}", field)
         given = self.inputs()
         other = "scene" if what == "plate" else "printer"
-        given.check_unset(given.keys_of(other), f"this command takes no {other} for {what}; leave it out")
+        given.check_unset(given.keys_of(other), f"this command takes no {other} for {what}. Leave it out")
         if what == "plate":
             return self._make_plate(given, progress)
         if what == FORM_KIND:

@@ -104,7 +104,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
         raise InputError("‹fix›: no parameter is left to fit. Leave one of them free")
     if dof < 1:
         raise InputError(
-            f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
+            f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}). Measure "
             f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8. Or leave ‹model› out: the other "
             "models accept any number of speeds"
         )

@@ -176,7 +176,7 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
     different, indices = np.unique(pairs, axis=0, return_inverse=True)
     if len(different) > MAX_SETTINGS:
         raise InputError(
-            f"{len(different)} pairs of tilt and plate speed; at most {MAX_SETTINGS}. Give prints "
+            f"{len(different)} pairs of tilt and plate speed. At most {MAX_SETTINGS}. Give prints "
             "of one tilt the same tilt_deg and plate_speed_mm_s"
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])

@@ -121,8 +121,8 @@ def probe_film(path: Path) -> Film:
         height = round(height / aspect)
     if width * height > MAX_PIXELS:
         raise InputError(
-            f"{path}: {width} x {height} pixels a frame: at most {MAX_PIXELS / 1e6:g} million; "
-            "make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
+            f"{path}: {width} x {height} pixels a frame: at most {MAX_PIXELS / 1e6:g} million. "
+            "Make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
         )
     if shots:
         return Film(path, width, height, None, 0.0, aspect, shots)

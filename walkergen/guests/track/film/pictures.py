@@ -41,7 +41,7 @@ def _check_same(folder: Path, quality: str, counts: Counter[str]) -> None:
     """Raise InputError if pictures differ in a `quality`, such as "sizes". `counts`: number of pictures by value."""
     if len(counts) > 1:
         seen = ", ".join(f"{number} of {name}" for name, number in counts.most_common(3))
-        raise InputError(f"{folder}: {quality} differ: {seen}; leave only the frames of one film there")
+        raise InputError(f"{folder}: {quality} differ: {seen}. Leave only the frames of one film there")
 
 
 def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
