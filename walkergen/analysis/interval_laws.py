@@ -52,9 +52,9 @@ def with_detection_limit(number: Quantity, share: float) -> Quantity:
 
 
 def with_variance_laws(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity]:
-    """Return the estimates with bounds of a variance where they scatter as one.
+    """Return the estimates; those that scatter like a variance have the bounds of one.
 
-    Without a `run` (False), diffusivity and crossover time scatter as the squared displacement.
+    `run`: whether the walkers run ahead. If not, diffusivity and crossover time scatter like the squared displacement.
     """
     laws = TURN_POWERS if run else TURN_POWERS | dict.fromkeys(SPREADING_QUANTITIES, 1)
     numbers = {**estimates, **_persistence_time_and_length(estimates)}

@@ -62,7 +62,10 @@ class _Paths(NamedTuple):
 
 
 def find(tracks: Sequence[Track]) -> SharedEdges | None:
-    """Return the edges that more passes share than in any of FREE_MOTIONS free motions; None without such edges."""
+    """Return a dish's edges if more, or longer, passes run along them than in each of FREE_MOTIONS free motions.
+
+    A pass is a stretch of a track along an edge. The result is None without such edges.
+    """
     paths, rng = _join_paths(tracks), np.random.default_rng(0)
     if paths is None:
         return None

@@ -89,7 +89,10 @@ def is_slow(speed: float, peak: float) -> bool:
 
 
 def _fit_law(group: Sequence[Sequence[Row]], peak: float) -> Law:
-    """Fit the law of the bias to a group of cells, given by their rows; `peak` speed of the plate, mm/s."""
+    """Fit the speed's bias, by powers of the time step, to cells: one walker in one scene at several steps each.
+
+    `group`: rows of each cell, the finest step first. `peak`: peak speed of the plate, mm/s.
+    """
     finest = [(row.se_mm_s or 0.0) / speed_scale(row.speed_mm_s or 0.0, peak) for row in (cell[0] for cell in group)]
     floor = 2.0 / math.sqrt(sum(se**-2 for se in finest))
     return Law(tuple(_fit_slope(group, peak, power) for power in STEP_POWERS), floor, len(group))

@@ -58,7 +58,7 @@ class Shot(NamedTuple):
 
     title: Title
     mesh: Mesh
-    """Printed part about the point O that the poses follow, mm."""
+    """Printed part about O, the body's centre of mass, which the poses follow, mm."""
     base: Array
     """Vector from O to the middle of the body's rectangle, along the body and across, shape (2,), mm."""
     size: Array
@@ -92,7 +92,7 @@ class Shot(NamedTuple):
 
     @property
     def track(self) -> Array:
-        """Positions of point O at each pose, seen from above: along the first axis and to its left, (n, 2), mm."""
+        """Positions of the body's centre of mass at each pose, from above: along x and to its left, (n, 2), mm."""
         return self.poses.places[:, [0, 2]] * (1.0, -1.0)
 
     @property
@@ -123,7 +123,7 @@ def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) 
 
 
 def point_in_mesh(design: Design, mass: MassProperties) -> Array:
-    """Return the reference point O of a walker's poses in the frame of its mesh, shape (3,), mm."""
+    """Return the body's centre of mass O, which poses follow, in the frame of the walker's mesh, shape (3,), mm."""
     return np.array([*-to_centre_frame(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
 
 

@@ -96,9 +96,9 @@ RULES = (Rule(decide), Rule(decide_gyroscopic, SWITCH, typical_values={f"effects
 
 
 def _rotor_inertia(case: Case) -> float:
-    """Return the effective inertia of the rotor about its axis, g mm^2.
+    """Return the effective inertia of the rotor about its axis, g mm^2: that of a disc, less (m r)^2 over the mass.
 
-    It excludes the part due to the unbalanced mass, which moves only the walker's centre of mass.
+    The moment m r of the unbalanced mass moves the centre of mass of the whole walker, which has its own equation.
     """
     motor = case.design.driving_motor()
     disc = ROTOR_MASS_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
@@ -106,7 +106,7 @@ def _rotor_inertia(case: Case) -> float:
 
 
 def _least_inertia(case: Case) -> float:
-    """Return the smallest principal inertia of the body, g mm^2."""
+    """Return the smallest principal inertia of the body, g mm^2; its planar J without mass properties in space."""
     if case.mass.spatial is None:
         return float(case.mass.J)
     return float(np.linalg.eigvalsh(case.mass.spatial.body)[0])

@@ -217,9 +217,9 @@ def _fill_directions(world, state, work, near, plate_speed, t, m):
 
 @lean
 def _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
-    """Subtract the plate's motion relative to its middle from near contact i, along its direction number p.
+    """Subtract the plate's motion there, beyond that of its middle, from speed and drift of the contact `near[i]`.
 
-    In world axes this direction is d. The frame has t seconds, and `tilted` is the result of `plate_sway`.
+    Both are along direction p of the contact, d in world axes. The frame lasts t s; `tilted` is from `plate_sway`.
     """
     near, R, at = work.near, work.R, work.points[work.near[i].number].at
     x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2] - tilted[0]

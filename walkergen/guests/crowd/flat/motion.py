@@ -42,7 +42,7 @@ class Motion(NamedTuple):
 
     @property
     def typical_speed_and_turning(self) -> tuple[float, float]:
-        """Typical speed of C (mm/s) and turning rate (rad/s): mean plus one standard deviation."""
+        """Typical speed of the centre of mass (mm/s) and turning rate (rad/s): mean plus one standard deviation."""
         drive = abs(self.push) * self.relaxation / self.mass
         return (drive + math.sqrt(self.heat / self.mass), abs(self.turning) + math.sqrt(self.spin_heat / self.inertia))
 
