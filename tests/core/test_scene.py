@@ -141,7 +141,7 @@ def test_effects_are_forced_by_their_names(keys, told):
         ("displacement_mm", "amplitude_um: write 1000 times"),
         ("velocity_rms_mm_s", "peak_speed_mm_s: write 1.414 times"),
         ("acceleration_db", "10^(dB / 20)"),
-        ("gama", "did you mean drive.gamma"),
+        ("gama", "Did you mean drive.gamma"),
     ],
 )
 def test_a_vibration_under_another_name_is_converted(key, words):

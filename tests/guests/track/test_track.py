@@ -359,7 +359,7 @@ def test_what_is_no_film_is_one_clear_line(tmp_path):
 
 def test_too_large_a_film_says_what_to_do(monkeypatch, two):
     monkeypatch.setattr(films, "MAX_PIXELS", 1000)
-    with pytest.raises(InputError, match=r"240 x 160 pixels a frame: at most .* make it smaller"):
+    with pytest.raises(InputError, match=r"240 x 160 pixels a frame: at most .* Make it smaller"):
         films.probe_film(two)
 
 

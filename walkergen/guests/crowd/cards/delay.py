@@ -119,7 +119,7 @@ def _velocities_and_headings(track: Track, interval: float) -> tuple[Complex, Co
 
 
 def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
-    """Split n + 1 headings (unit vectors) into `cuts` pieces; neighbours share one, so that n velocities lie between."""
+    """Split n + 1 headings (unit vectors) into `cuts` pieces; neighbours share one heading, so that n steps remain."""
     parts = np.array_split(np.arange(len(unit) - 1), cuts)
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 
